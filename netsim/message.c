@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "netsim/message.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+struct message *message_create(size_t length) {
+    enum { ALIGNMENT = 64 };
+    size_t head = (sizeof(struct message) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    size_t total = (head + length + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    struct message *message = aligned_alloc(ALIGNMENT, total);
+    if (!message) {
+        fprintf(stderr, "sortlast: out of memory (a message of %zu bytes)\n", length);
+        abort();
+    }
+    atomic_init(&message->holders, 1);
+    message->length = length;
+    message->bytes = (uint8_t *)message + head;
+    return message;
+}
+
+struct message *message_hold(struct message *message) {
+    atomic_fetch_add_explicit(&message->holders, 1, memory_order_relaxed);
+    return message;
+}
+
+void message_release(struct message *message) {
+    if (message && atomic_fetch_sub_explicit(&message->holders, 1, memory_order_acq_rel) == 1)
+        free(message);
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef MESSAGE_H
+#define MESSAGE_H
+
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* A message in memory: bytes with a count of holders, so that a broadcast, a forwarded region or a region kept
+ * until its frame is complete costs no copy. Bytes are 64-byte aligned and do not change once shared. */
+struct message {
+    atomic_int holders;
+    size_t length;
+    uint8_t *bytes;
+};
+
+/* A new message with one holder, contents not set. */
+struct message *message_create(size_t length);
+struct message *message_hold(struct message *message);
+/* Gives up one hold; the last frees. NULL is accepted. */
+void message_release(struct message *message);
+
+#endif
