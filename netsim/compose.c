@@ -145,7 +145,7 @@ struct message *region_compose(const struct region_view *a, const struct region_
     memcpy(draft.work + a->head.work_count, b->work, b->head.work_count * sizeof *b->work);
     memcpy(draft.runs, plan.runs, plan.run_count * sizeof *plan.runs);
 
-    uint32_t *mask = malloc((size_t)plan.sample_count * 4 + 4);
+    uint32_t *mask = calloc((size_t)plan.sample_count + 1, 4);
     uint32_t *zeros = calloc((size_t)plan.sample_count + 1, 4);
     if (!mask || !zeros)
         abort();

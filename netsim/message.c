@@ -4,6 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+static void dispose_own(struct message *message) {
+    free(message);
+}
+
 struct message *message_create(size_t length) {
     enum { ALIGNMENT = 64 };
     size_t head = (sizeof(struct message) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
@@ -14,6 +18,7 @@ struct message *message_create(size_t length) {
         abort();
     }
     atomic_init(&message->holders, 1);
+    message->dispose = dispose_own;
     message->length = length;
     message->bytes = (uint8_t *)message + head;
     return message;
@@ -26,5 +31,5 @@ struct message *message_hold(struct message *message) {
 
 void message_release(struct message *message) {
     if (message && atomic_fetch_sub_explicit(&message->holders, 1, memory_order_acq_rel) == 1)
-        free(message);
+        message->dispose(message);
 }

@@ -7,11 +7,12 @@
 #include <stdint.h>
 
 /* A message in memory: bytes with a count of holders, so that a broadcast, a forwarded region or a region kept
- * until its frame is complete costs no copy. Bytes are 64-byte aligned and do not change once shared. */
+ * until its frame is complete costs no copy. Bytes are at least 8-byte aligned and do not change once shared. */
 struct message {
     atomic_int holders;
     size_t length;
     uint8_t *bytes;
+    void (*dispose)(struct message *message); /* frees message and bytes when the last hold goes */
 };
 
 /* A new message with one holder, contents not set. */

@@ -19,6 +19,7 @@ enum { WIRE_VERSION = 1, WIRE_HEADER_BYTES = 64 };
 #define WIRE_KINDS(X)                                                                                        \
     X(HELLO, "hello", "any node", "host")                                                                    \
     X(CONFIGURATION, "configuration", "host", "all")                                                         \
+    X(TOPOLOGY, "topology", "host", "all")                                                                   \
     X(READY, "ready", "any node", "host")                                                                    \
     X(SHADER, "shader", "host", "shading nodes")                                                             \
     X(FRAME_BEGIN, "frame begin", "host", "all")                                                             \
@@ -33,7 +34,9 @@ enum { WIRE_VERSION = 1, WIRE_HEADER_BYTES = 64 };
     X(FRAME_DONE, "frame done", "framebuffer node", "host")                                                  \
     X(WARNING, "warning", "any node", "host")                                                                \
     X(FAILURE, "failure", "any node", "host")                                                                \
-    X(QUIT, "quit", "host", "all")
+    X(QUIT, "quit", "host", "all")                                                                           \
+    X(GOODBYE, "goodbye", "framebuffer node", "host")                                                        \
+    X(PROBE, "probe", "host", "all")
 
 enum wire_kind {
 #define WIRE_KIND_ENUM(name, text, from, to) WIRE_##name,

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/bound_parameters.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static enum shader_type shader_type_of(enum scene_type type) {
+    switch (type) {
+    case SCENE_FLOAT:
+        return SHADER_FLOAT;
+    case SCENE_COLOR:
+        return SHADER_COLOR;
+    case SCENE_POINT:
+        return SHADER_POINT;
+    case SCENE_VECTOR:
+        return SHADER_VECTOR;
+    case SCENE_NORMAL:
+        return SHADER_NORMAL;
+    case SCENE_STRING:
+        return SHADER_STRING;
+    }
+    return SHADER_FLOAT;
+}
+
+static bool is_direction_or_point(enum shader_type type) {
+    return type == SHADER_POINT || type == SHADER_VECTOR || type == SHADER_NORMAL;
+}
+
+/* Old scenes declare directions as points: any of the three fits any other. */
+static bool types_fit(enum shader_type wanted, enum shader_type given) {
+    return wanted == given || (is_direction_or_point(wanted) && is_direction_or_point(given));
+}
+
+static const struct shader_parameter *find_parameter(const struct shader_program *program,
+                                                     const char *name) {
+    for (int i = 0; i < program->parameter_count; i++)
+        if (!program->parameters[i].is_global && !strcmp(program->parameters[i].name, name))
+            return &program->parameters[i];
+    return NULL;
+}
+
+static void to_camera(float *value, enum shader_type type, const struct mat4 *matrix) {
+    struct vec3 v = vec3_make(value[0], value[1], value[2]);
+    struct mat4 inverse;
+    if (type == SHADER_POINT)
+        v = mat4_point(matrix, v);
+    else if (type == SHADER_VECTOR)
+        v = mat4_vector(matrix, v);
+    else if (mat4_invert(matrix, &inverse))
+        v = mat4_normal(&inverse, v);
+    value[0] = (float)v.x;
+    value[1] = (float)v.y;
+    value[2] = (float)v.z;
+}
+
+static void list_parameters(const struct shader_program *program, char *text, size_t size) {
+    text[0] = 0;
+    for (int i = 0; i < program->parameter_count; i++) {
+        if (program->parameters[i].is_global)
+            continue;
+        const size_t used = strlen(text);
+        snprintf(text + used, size - used, "%s%s", used ? ", " : "", program->parameters[i].name);
+    }
+}
+
+static bool fits(const struct shader_program *program, const struct shader_parameter *parameter,
+                 const struct scene_parameter *given, struct status *status) {
+    const struct scene_location at = given->location;
+    if (!parameter) {
+        char known[768];
+        list_parameters(program, known, sizeof known);
+        return status_fail(status, STATUS_INVALID,
+                           "%s:%d:%d: error: shader %s has no parameter \"%s\"; it has: %s", at.file, at.line,
+                           at.column, program->name, given->name, known[0] ? known : "none");
+    }
+    if (!types_fit(parameter->type, shader_type_of(given->type)))
+        return status_fail(status, STATUS_INVALID,
+                           "%s:%d:%d: error: parameter \"%s\" of shader %s is a %s, the scene gives a %s",
+                           at.file, at.line, at.column, given->name, program->name,
+                           shader_type_name(parameter->type),
+                           shader_type_name(shader_type_of(given->type)));
+    if (parameter->array_length != given->array_length &&
+        (parameter->array_length ? parameter->array_length : 1) !=
+            (given->array_length ? given->array_length : 1))
+        return status_fail(status, STATUS_INVALID,
+                           "%s:%d:%d: error: parameter \"%s\" of shader %s has %d elements, the scene gives %d",
+                           at.file, at.line, at.column, given->name, program->name,
+                           parameter->array_length ? parameter->array_length : 1,
+                           given->array_length ? given->array_length : 1);
+    return true;
+}
+
+static void store(const struct shader_parameter *parameter, const struct scene_parameter *value,
+                  const struct mat4 *matrix, float *bound, uint8_t *given) {
+    if (parameter->bound_offset < 0)
+        return; /* cannot reach the picture, or comes with the primitives */
+    float *out = bound + parameter->bound_offset;
+    if (parameter->type == SHADER_STRING) {
+        const int count = parameter->array_length ? parameter->array_length : 1;
+        for (int i = 0; i < count; i++) {
+            const int32_t identity = shader_string_identity(value->strings[i]);
+            memcpy(out + i, &identity, sizeof identity);
+        }
+    } else {
+        memcpy(out, value->values, (size_t)parameter->components * sizeof(float));
+        if (is_direction_or_point(parameter->type))
+            for (int i = 0; i + 3 <= parameter->components; i += 3)
+                to_camera(out + i, parameter->type, matrix);
+    }
+    memset(given + parameter->bound_offset, 1, (size_t)parameter->components);
+}
+
+bool bound_parameters_fill(const struct shader_program *program, const struct bound_source *source,
+                           float *bound, uint8_t *given, struct status *status) {
+    for (int i = 0; source->shader && i < source->shader->parameter_count; i++) {
+        const struct scene_parameter *value = &source->shader->parameters[i];
+        const struct shader_parameter *parameter = find_parameter(program, value->name);
+        if (!fits(program, parameter, value, status))
+            return false;
+        store(parameter, value, &source->shader->shader_to_camera, bound, given);
+    }
+    for (int i = 0; i < source->constant_count; i++) {
+        const struct scene_parameter *value = &source->constants[i];
+        const struct shader_parameter *parameter = find_parameter(program, value->name);
+        if (!parameter)
+            continue; /* primitive variables may serve other shaders */
+        if (!fits(program, parameter, value, status))
+            return false;
+        store(parameter, value, source->object_to_camera, bound, given);
+    }
+    for (int i = 0; i < program->parameter_count; i++) {
+        const struct shader_parameter *parameter = &program->parameters[i];
+        const float *value = !parameter->is_global               ? NULL
+                             : !strcmp(parameter->name, "Cs") ? source->color
+                             : !strcmp(parameter->name, "Os") ? source->opacity
+                                                                  : NULL;
+        if (!value || parameter->bound_offset < 0)
+            continue;
+        memcpy(bound + parameter->bound_offset, value, 3 * sizeof(float));
+        memset(given + parameter->bound_offset, 1, 3);
+    }
+    return true;
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef BOUND_PARAMETERS_H
+#define BOUND_PARAMETERS_H
+
+#include "scenes/scene.h"
+#include "shaders/compiler/shader_compile.h"
+
+/* Where the bound values of an instance come from: the Surface or LightSource call, constant primitive variables
+ * (which win), and the colour attributes. */
+struct bound_source {
+    const struct scene_shader *shader; /* NULL: the default surface */
+    const struct scene_parameter *constants;
+    int constant_count;
+    const struct mat4 *object_to_camera;
+    const float *color, *opacity; /* NULL for lights */
+};
+
+/* Fills `bound` and `given` (program->bound_count entries). Points, vectors and normals are brought to camera
+ * space. A parameter the shader does not have, or of another type, is an error naming the place in the scene. */
+bool bound_parameters_fill(const struct shader_program *program, const struct bound_source *source,
+                           float *bound, uint8_t *given, struct status *status);
+
+#endif

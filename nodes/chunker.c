@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/chunker.h"
+
+#include "base/rng.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Where one component of the transfer map comes from: a plane of the mesh, or a constant. */
+struct component_source {
+    const float *values; /* first vertex's component */
+    size_t stride;       /* floats from vertex to vertex; 0 for a constant */
+};
+
+struct chunk_builder {
+    const struct scene_mesh *mesh;
+    struct component_source *components;
+    uint32_t component_count;
+    uint32_t *local;   /* vertex of the mesh -> vertex of the chunk, valid when stamp matches */
+    uint32_t *stamp;   /* number of the chunk (plus 1) that last used the vertex */
+    float *positions;  /* CHUNK_VERTICES_MAX * 3 */
+    float *material;
+    uint16_t triangles[CHUNK_TRIANGLES_MAX * 3];
+    struct chunk_payload chunk;
+    struct message **messages;
+    size_t message_count, message_capacity;
+    uint32_t frame_index;
+};
+
+static const struct scene_variable *find_variable(const struct scene_mesh *mesh, const char *name) {
+    for (int i = 0; i < mesh->variable_count; i++)
+        if (!strcmp(mesh->variables[i].name, name))
+            return &mesh->variables[i];
+    return NULL;
+}
+
+/* Lists the sources of all components in the order of the transfer map. */
+static void list_components(struct chunk_builder *builder, const struct shader_program *program) {
+    static const float zero;
+    builder->component_count = (uint32_t)program->material_count;
+    builder->components = memory_get(builder->component_count, sizeof *builder->components);
+    for (uint32_t c = 0; c < builder->component_count; c++)
+        builder->components[c] = (struct component_source){&zero, 0};
+    for (int i = 0; i < program->parameter_count; i++) {
+        const struct shader_parameter *parameter = &program->parameters[i];
+        if (!parameter->is_material)
+            continue;
+        const struct scene_variable *variable = find_variable(builder->mesh, parameter->name);
+        const float *constant = !strcmp(parameter->name, "Cs")   ? builder->mesh->color
+                                : !strcmp(parameter->name, "Os") ? builder->mesh->opacity
+                                                                 : NULL;
+        for (int c = 0; c < parameter->components; c++) {
+            struct component_source *source = &builder->components[parameter->map_offset + c];
+            if (variable)
+                *source = (struct component_source){variable->values + c, (size_t)variable->components};
+            else if (constant)
+                *source = (struct component_source){constant + c, 0};
+        }
+    }
+}
+
+static void flush_chunk(struct chunk_builder *builder) {
+    struct chunk_payload *chunk = &builder->chunk;
+    if (!chunk->triangle_count)
+        return;
+    chunk->number = (uint32_t)builder->message_count;
+    chunk->positions = builder->positions;
+    chunk->material = builder->material;
+    chunk->triangles = builder->triangles;
+    builder->messages = memory_grow(builder->messages, &builder->message_capacity,
+                                    builder->message_count + 1, sizeof *builder->messages);
+    builder->messages[builder->message_count++] = chunk_payload_encode(chunk, builder->frame_index);
+    chunk->vertex_count = chunk->triangle_count = 0;
+}
+
+static uint16_t chunk_vertex(struct chunk_builder *builder, uint32_t vertex) {
+    struct chunk_payload *chunk = &builder->chunk;
+    const uint32_t stamp = (uint32_t)builder->message_count + 1;
+    if (builder->stamp[vertex] != stamp) {
+        builder->stamp[vertex] = stamp;
+        builder->local[vertex] = chunk->vertex_count;
+        memcpy(builder->positions + chunk->vertex_count * 3, builder->mesh->positions + (size_t)vertex * 3,
+               3 * sizeof(float));
+        float *material = builder->material + (size_t)chunk->vertex_count * builder->component_count;
+        for (uint32_t c = 0; c < builder->component_count; c++)
+            material[c] = builder->components[c].values[vertex * builder->components[c].stride];
+        chunk->vertex_count++;
+    }
+    return (uint16_t)builder->local[vertex];
+}
+
+/* Seen from the eye, does the outside (Ng of its first vertex) face away? */
+static bool faces_away(const struct scene_mesh *mesh, const struct scene_variable *outside,
+                       const uint32_t *corner, bool is_perspective) {
+    const float *n = outside->values + (size_t)corner[0] * 3, *p = mesh->positions + (size_t)corner[0] * 3;
+    return is_perspective ? (double)n[0] * p[0] + (double)n[1] * p[1] + (double)n[2] * p[2] >= 0 : n[2] >= 0;
+}
+
+static void cut_mesh(struct chunk_builder *builder, const struct shader_program *program,
+                     uint32_t first_primitive, bool is_perspective) {
+    const struct scene_mesh *mesh = builder->mesh;
+    const struct scene_variable *outside = mesh->is_two_sided ? NULL : find_variable(mesh, "Ng");
+    list_components(builder, program);
+    builder->chunk.material_count = builder->component_count;
+    builder->local = memory_get(mesh->vertex_count, sizeof *builder->local);
+    builder->stamp = memory_get(mesh->vertex_count, sizeof *builder->stamp);
+    builder->material =
+        memory_get((size_t)CHUNK_VERTICES_MAX * builder->component_count, sizeof *builder->material);
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *corner = mesh->triangles + (size_t)t * 3;
+        if (outside && faces_away(mesh, outside, corner, is_perspective)) {
+            flush_chunk(builder); /* a chunk's primitive numbers have no gaps */
+            continue;
+        }
+        struct chunk_payload *chunk = &builder->chunk;
+        if (!chunk->triangle_count)
+            chunk->first_primitive = first_primitive + t;
+        for (int i = 0; i < 3; i++)
+            builder->triangles[chunk->triangle_count * 3 + i] = chunk_vertex(builder, corner[i]);
+        if (++chunk->triangle_count == CHUNK_TRIANGLES_MAX)
+            flush_chunk(builder);
+    }
+    flush_chunk(builder);
+    free(builder->components);
+    free(builder->local);
+    free(builder->stamp);
+    free(builder->material);
+}
+
+bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan, uint32_t frame_index,
+                 struct message ***chunks, size_t *chunk_count, struct status *status) {
+    struct chunk_builder *builder = memory_get(1, sizeof *builder);
+    builder->frame_index = frame_index;
+    builder->positions = memory_get(CHUNK_VERTICES_MAX * 3, sizeof(float));
+    uint64_t primitives = 0;
+    bool ok = true;
+    for (size_t m = 0; ok && m < frame->mesh_count; m++) {
+        builder->mesh = &frame->meshes[m];
+        builder->chunk.shader_id = plan->mesh_instance[m];
+        if (primitives + builder->mesh->triangle_count >= UINT32_MAX)
+            ok = status_fail(status, STATUS_LIMIT, "more than 2^32 - 1 triangles in one frame");
+        else
+            cut_mesh(builder, plan->instances[plan->mesh_instance[m] - 1].variant->program,
+                     (uint32_t)primitives, frame->camera.is_perspective);
+        primitives += builder->mesh->triangle_count;
+    }
+    *chunks = builder->messages;
+    *chunk_count = builder->message_count;
+    free(builder->positions);
+    free(builder);
+    return ok;
+}
+
+uint32_t *chunker_assign(size_t chunk_count, uint32_t rendering_nodes, uint64_t seed) {
+    uint32_t *node = memory_get(chunk_count, sizeof *node);
+    struct rng rng = {seed};
+    for (size_t i = 0; i < chunk_count; i++)
+        node[i] = (uint32_t)(i % rendering_nodes);
+    for (size_t i = chunk_count; i > 1; i--) {
+        const size_t j = rng_below(&rng, i);
+        const uint32_t swap = node[i - 1];
+        node[i - 1] = node[j];
+        node[j] = swap;
+    }
+    return node;
+}

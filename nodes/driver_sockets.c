@@ -1,0 +1,537 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/driver_sockets.h"
+
+#include "nodes/protocol.h"
+#include "nodes/socket_message.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+#include <zmq.h>
+
+enum {
+    POLL_MS = 100,
+    REGIONS_IN_FLIGHT = 8,  /* per link and side: enough to hide a wake-up, few enough to stay in cache */
+    START_DEADLINE_S = 20,  /* for the other nodes to say hello */
+    ENDPOINT_BYTES = 256,
+    LINGER_MS = 1000,
+    HEARTBEAT_MS = 1000,
+    HEARTBEAT_TIMEOUT_MS = 20000,
+};
+
+/* Another node as this one reaches it. */
+struct peer {
+    struct node_address address;
+    char routing[24];              /* its name at the host's ROUTER */
+    char endpoint[ENDPOINT_BYTES]; /* of its PULL socket */
+    void *push;                    /* opened when first needed */
+    bool is_known;                 /* host: has said hello */
+    bool is_ready;
+    struct message **queue; /* what could not be sent yet */
+    size_t queue_first, queue_count, queue_capacity;
+};
+
+struct socket_driver {
+    struct node *node;
+    const struct socket_options *options;
+    void *context, *control, *input, *monitor;
+    struct peer *peers; /* every node but this one */
+    size_t peer_count;
+    size_t blocked; /* messages waiting in queues */
+    bool is_started, is_probing;
+    struct timespec last_news, probe_begin;
+};
+
+static double seconds_since(const struct timespec *then) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
+}
+
+static bool is_host(const struct socket_driver *driver) {
+    return driver->node->address.role == NODE_HOST;
+}
+
+static bool socket_failure(const char *what, const char *where, struct status *status) {
+    return status_fail(status, STATUS_IO, "cannot %s %s: %s", what, where, zmq_strerror(errno));
+}
+
+static void routing_name(struct node_address address, char name[24]) {
+    snprintf(name, 24, "node-%08x", node_address_pack(address));
+}
+
+static struct peer *find_peer(struct socket_driver *driver, struct node_address address) {
+    for (size_t i = 0; i < driver->peer_count; i++)
+        if (driver->peers[i].address.role == address.role && driver->peers[i].address.index == address.index)
+            return &driver->peers[i];
+    return NULL;
+}
+
+static void add_peer(struct socket_driver *driver, struct node_address address) {
+    if (address.role == driver->node->address.role && address.index == driver->node->address.index)
+        return;
+    struct peer *peer = &driver->peers[driver->peer_count++];
+    *peer = (struct peer){.address = address};
+    routing_name(address, peer->routing);
+}
+
+static void add_all_peers(struct socket_driver *driver, uint32_t rendering_nodes, uint32_t shading_nodes) {
+    driver->peers = memory_get((size_t)rendering_nodes + shading_nodes + 2, sizeof *driver->peers);
+    add_peer(driver, (struct node_address){NODE_HOST, 0});
+    for (uint32_t i = 0; i < rendering_nodes; i++)
+        add_peer(driver, (struct node_address){NODE_RENDERING, i});
+    for (uint32_t i = 0; i < shading_nodes; i++)
+        add_peer(driver, (struct node_address){NODE_SHADING, i});
+    add_peer(driver, (struct node_address){NODE_FRAMEBUFFER, 0});
+}
+
+/* The ipc socket of this node's input beside that of the host, or any loopback port. */
+static void default_listen(const struct socket_driver *driver, char *endpoint) {
+    const char *host = driver->options->host, *slash = strrchr(host, '/');
+    char name[24];
+    routing_name(driver->node->address, name);
+    if (!strncmp(host, "ipc://", 6) && slash)
+        snprintf(endpoint, ENDPOINT_BYTES, "%.*s/%s", (int)(slash - host), host, name);
+    else
+        snprintf(endpoint, ENDPOINT_BYTES, "tcp://127.0.0.1:*");
+}
+
+static void set_option(void *socket, int option, int value) {
+    zmq_setsockopt(socket, option, &value, sizeof value);
+}
+
+static bool open_input(struct socket_driver *driver, char *endpoint, struct status *status) {
+    const bool takes_regions = driver->node->address.role != NODE_HOST &&
+                               !(driver->node->address.role == NODE_RENDERING && !driver->node->address.index);
+    size_t size = ENDPOINT_BYTES;
+    endpoint[0] = 0;
+    if (!takes_regions)
+        return true;
+    driver->input = zmq_socket(driver->context, ZMQ_PULL);
+    set_option(driver->input, ZMQ_RCVHWM, REGIONS_IN_FLIGHT);
+    set_option(driver->input, ZMQ_LINGER, 0);
+    if (driver->options->listen)
+        snprintf(endpoint, ENDPOINT_BYTES, "%s", driver->options->listen);
+    else
+        default_listen(driver, endpoint);
+    if (zmq_bind(driver->input, endpoint))
+        return socket_failure("listen at", endpoint, status);
+    zmq_getsockopt(driver->input, ZMQ_LAST_ENDPOINT, endpoint, &size);
+    return true;
+}
+
+static bool open_control(struct socket_driver *driver, struct status *status) {
+    char name[24];
+    driver->control = zmq_socket(driver->context, is_host(driver) ? ZMQ_ROUTER : ZMQ_DEALER);
+    set_option(driver->control, ZMQ_SNDHWM, 0);
+    set_option(driver->control, ZMQ_RCVHWM, 0);
+    set_option(driver->control, ZMQ_LINGER, LINGER_MS);
+    set_option(driver->control, ZMQ_HEARTBEAT_IVL, HEARTBEAT_MS);
+    set_option(driver->control, ZMQ_HEARTBEAT_TIMEOUT, HEARTBEAT_TIMEOUT_MS);
+    if (zmq_socket_monitor(driver->control, "inproc://monitor", ZMQ_EVENT_DISCONNECTED))
+        return socket_failure("watch", "connections", status);
+    driver->monitor = zmq_socket(driver->context, ZMQ_PAIR);
+    set_option(driver->monitor, ZMQ_LINGER, 0);
+    zmq_connect(driver->monitor, "inproc://monitor");
+    if (is_host(driver)) {
+        set_option(driver->control, ZMQ_ROUTER_MANDATORY, 1);
+        if (zmq_bind(driver->control, driver->options->host))
+            return socket_failure("listen at", driver->options->host, status);
+        return true;
+    }
+    routing_name(driver->node->address, name);
+    zmq_setsockopt(driver->control, ZMQ_ROUTING_ID, name, strlen(name));
+    if (zmq_connect(driver->control, driver->options->host))
+        return socket_failure("connect to the host at", driver->options->host, status);
+    return true;
+}
+
+static bool open_push(struct socket_driver *driver, struct peer *peer, struct status *status) {
+    peer->push = zmq_socket(driver->context, ZMQ_PUSH);
+    set_option(peer->push, ZMQ_SNDHWM, REGIONS_IN_FLIGHT);
+    set_option(peer->push, ZMQ_LINGER, LINGER_MS);
+    if (!peer->endpoint[0] || zmq_connect(peer->push, peer->endpoint))
+        return socket_failure("connect to", peer->endpoint[0] ? peer->endpoint : peer->routing, status);
+    return true;
+}
+
+static bool lost_peer(const struct socket_driver *driver, const struct peer *peer, struct status *status) {
+    char name[NODE_NAME_BYTES];
+    return status_fail(status, STATUS_LOST, "%s was lost in frame %u, about region %u: its process ended",
+                       node_address_name(peer->address, name), driver->node->frame, driver->node->region);
+}
+
+/* 1 sent, 0 would block, -1 failed. Takes the hold when sent. */
+static int try_send(struct socket_driver *driver, struct peer *peer, struct message *message,
+                    struct status *status) {
+    void *socket = peer->push;
+    const char *routing = NULL;
+    if (is_host(driver)) {
+        socket = driver->control;
+        routing = peer->routing;
+    } else if (peer->address.role == NODE_HOST) {
+        socket = driver->control;
+    } else if (!socket) {
+        if (!open_push(driver, peer, status))
+            return -1;
+        socket = peer->push;
+    }
+    const int sent = socket_message_send(socket, routing, message);
+    if (sent < 0) {
+        if (errno == EHOSTUNREACH)
+            lost_peer(driver, peer, status);
+        else
+            socket_failure("send to", peer->routing, status);
+    }
+    return sent;
+}
+
+/* Takes over the hold. */
+static bool send_to(struct socket_driver *driver, struct peer *peer, struct message *message,
+                    struct status *status) {
+    if (!peer->queue_count) {
+        const int sent = try_send(driver, peer, message, status);
+        if (sent)
+            return sent > 0;
+    }
+    if (peer->queue_first && peer->queue_first + peer->queue_count == peer->queue_capacity) {
+        memmove(peer->queue, peer->queue + peer->queue_first, peer->queue_count * sizeof *peer->queue);
+        peer->queue_first = 0;
+    }
+    peer->queue = memory_grow(peer->queue, &peer->queue_capacity,
+                              peer->queue_first + peer->queue_count + 1, sizeof *peer->queue);
+    peer->queue[peer->queue_first + peer->queue_count++] = message;
+    driver->blocked++;
+    return true;
+}
+
+static bool flush_queues(struct socket_driver *driver, struct status *status) {
+    for (size_t i = 0; driver->blocked && i < driver->peer_count; i++) {
+        struct peer *peer = &driver->peers[i];
+        while (peer->queue_count) {
+            const int sent = try_send(driver, peer, peer->queue[peer->queue_first], status);
+            if (sent < 0)
+                return false;
+            if (!sent)
+                break;
+            peer->queue_first = --peer->queue_count ? peer->queue_first + 1 : 0;
+            driver->blocked--;
+        }
+    }
+    return true;
+}
+
+static bool step(struct socket_driver *driver, const struct node_event *event, struct status *status) {
+    struct node_outputs outputs = {0};
+    bool ok = node_step(driver->node, event, &outputs, status);
+    for (size_t i = 0; i < outputs.count; i++) {
+        struct peer *peer = ok ? find_peer(driver, outputs.items[i].to) : NULL;
+        if (peer)
+            ok = send_to(driver, peer, outputs.items[i].message, status);
+        else
+            message_release(outputs.items[i].message);
+    }
+    free(outputs.items);
+    if (driver->options->board) {
+        atomic_store_explicit(&driver->options->board->frame, driver->node->frame, memory_order_relaxed);
+        atomic_store_explicit(&driver->options->board->region, driver->node->region, memory_order_relaxed);
+    }
+    return ok;
+}
+
+/* The host has everybody's address: tell everybody. */
+static bool send_topology(struct socket_driver *driver, struct status *status) {
+    struct wire_writer writer = {0};
+    wire_put_u32(&writer, driver->options->rendering_nodes);
+    wire_put_u32(&writer, driver->options->shading_nodes);
+    for (size_t i = 0; i < driver->peer_count; i++) {
+        wire_put_u32(&writer, node_address_pack(driver->peers[i].address));
+        wire_put_string(&writer, driver->peers[i].endpoint);
+    }
+    struct message *message = wire_finish(&writer, (struct wire_header){.kind = WIRE_TOPOLOGY});
+    bool ok = true;
+    for (size_t i = 0; ok && i < driver->peer_count; i++)
+        ok = send_to(driver, &driver->peers[i], message_hold(message), status);
+    message_release(message);
+    return ok;
+}
+
+static bool take_topology(struct socket_driver *driver, const struct message *message,
+                          struct status *status) {
+    struct wire_reader reader = wire_payload(message->bytes, message->length);
+    const uint32_t rendering_nodes = wire_get_u32(&reader), shading_nodes = wire_get_u32(&reader);
+    if (driver->peers || rendering_nodes > 65536 || shading_nodes > 65536)
+        return status_fail(status, STATUS_INVALID, "damaged topology message");
+    add_all_peers(driver, rendering_nodes, shading_nodes);
+    for (uint32_t i = 0; i < rendering_nodes + shading_nodes + 1; i++) {
+        struct node_address address = node_address_unpack(wire_get_u32(&reader));
+        const char *endpoint = wire_get_string(&reader);
+        struct peer *peer = find_peer(driver, address);
+        if (peer)
+            snprintf(peer->endpoint, sizeof peer->endpoint, "%s", endpoint);
+    }
+    if (!wire_reader_done(&reader, "topology", status))
+        return false;
+    driver->is_started = true;
+    return send_to(driver, find_peer(driver, (struct node_address){NODE_HOST, 0}),
+                   signal_encode(WIRE_READY, 0, 0, node_address_pack(driver->node->address)), status) &&
+           step(driver, &(struct node_event){.kind = NODE_START}, status);
+}
+
+/* HELLO and READY at the host: when all have said it, the next thing happens. */
+static bool take_greeting(struct socket_driver *driver, const struct message *message,
+                          const struct wire_header *header, struct status *status) {
+    struct peer *peer = find_peer(driver, node_address_unpack(header->sender));
+    char name[NODE_NAME_BYTES];
+    if (!peer)
+        return status_fail(status, STATUS_INVALID,
+                           "%s said hello, but this cluster has %u rendering and %u shading nodes",
+                           node_address_name(node_address_unpack(header->sender), name),
+                           driver->options->rendering_nodes, driver->options->shading_nodes);
+    if (header->kind == WIRE_HELLO) {
+        const char *endpoint = text_decode(message, status);
+        if (!endpoint)
+            return false;
+        if (peer->is_known)
+            return status_fail(status, STATUS_INVALID, "there are two nodes that call themselves %s",
+                               node_address_name(peer->address, name));
+        snprintf(peer->endpoint, sizeof peer->endpoint, "%s", endpoint);
+        peer->is_known = true;
+    } else {
+        peer->is_ready = true;
+    }
+    size_t known = 0, ready = 0;
+    for (size_t i = 0; i < driver->peer_count; i++) {
+        known += driver->peers[i].is_known;
+        ready += driver->peers[i].is_ready;
+    }
+    if (header->kind == WIRE_HELLO)
+        return known < driver->peer_count || send_topology(driver, status);
+    if (ready < driver->peer_count)
+        return true;
+    trace_line(driver->node->trace, "all %zu nodes are ready", driver->peer_count);
+    driver->is_started = true;
+    return step(driver, &(struct node_event){.kind = NODE_START}, status);
+}
+
+static bool dispatch(struct socket_driver *driver, struct message *message, struct status *status) {
+    struct node_event event = {.kind = NODE_MESSAGE, .message = message};
+    clock_gettime(CLOCK_MONOTONIC, &driver->last_news);
+    if (!wire_open(message->bytes, message->length, &event.header, status))
+        return false;
+    switch (event.header.kind) {
+    case WIRE_HELLO:
+    case WIRE_READY:
+        if (is_host(driver))
+            return take_greeting(driver, message, &event.header, status);
+        break;
+    case WIRE_TOPOLOGY:
+        if (!is_host(driver))
+            return take_topology(driver, message, status);
+        break;
+    case WIRE_PROBE:
+        return true;
+    default:
+        break;
+    }
+    return step(driver, &event, status);
+}
+
+/* Takes all that waits at a socket, up to `most` messages. */
+static bool drain(struct socket_driver *driver, void *socket, bool is_router, size_t most, bool *any,
+                  struct status *status) {
+    char routing[64];
+    struct message *message;
+    for (size_t i = 0; i < most; i++) {
+        const int got = socket_message_receive(socket, is_router ? routing : NULL, sizeof routing, &message);
+        if (got < 0)
+            return errno == EINTR || socket_failure("receive from", "a socket", status);
+        if (!got)
+            return true;
+        *any = true;
+        const bool ok = dispatch(driver, message, status);
+        message_release(message);
+        if (!ok)
+            return false;
+    }
+    return true;
+}
+
+/* A connection broke. At a node it can only be the host's; the host finds out whose by sending to each. */
+static bool take_disconnect(struct socket_driver *driver, struct status *status) {
+    zmq_msg_t part;
+    bool any = false;
+    zmq_msg_init(&part);
+    while (zmq_msg_recv(&part, driver->monitor, ZMQ_DONTWAIT) >= 0)
+        any = true;
+    zmq_msg_close(&part);
+    if (!any || driver->node->is_finished)
+        return true;
+    if (!is_host(driver))
+        return status_fail(status, STATUS_LOST, "the host was lost in frame %u, about region %u",
+                           driver->node->frame, driver->node->region);
+    driver->is_probing = true;
+    clock_gettime(CLOCK_MONOTONIC, &driver->probe_begin);
+    return true;
+}
+
+static bool probe_peers(struct socket_driver *driver, struct status *status) {
+    struct message *probe = signal_encode(WIRE_PROBE, 0, 0, 0);
+    bool ok = true;
+    for (size_t i = 0; ok && i < driver->peer_count; i++)
+        if (driver->peers[i].is_known && (!driver->node->is_closing ||
+                                          driver->peers[i].address.role == NODE_FRAMEBUFFER))
+            ok = send_to(driver, &driver->peers[i], message_hold(probe), status);
+    message_release(probe);
+    if (seconds_since(&driver->probe_begin) > 1)
+        driver->is_probing = false;
+    return ok;
+}
+
+static void describe(const struct socket_driver *driver, char *text, size_t size) {
+    char name[NODE_NAME_BYTES], what[256];
+    if (!driver->is_started && is_host(driver)) {
+        size_t missing = 0;
+        const struct peer *first = NULL;
+        for (size_t i = 0; i < driver->peer_count; i++)
+            if (!(driver->peers[i].is_known && driver->peers[i].is_ready)) {
+                first = first ? first : &driver->peers[i];
+                missing++;
+            }
+        snprintf(what, sizeof what, "waits for %zu of %zu nodes to join, the first of them %s", missing,
+                 driver->peer_count, first ? node_address_name(first->address, name) : "none");
+    } else if (!driver->is_started) {
+        snprintf(what, sizeof what, "waits for the host at %s to begin", driver->options->host);
+    } else {
+        driver->node->type->describe(driver->node, what, sizeof what);
+    }
+    snprintf(text, size, "%s %s", node_address_name(driver->node->address, name), what);
+    if (driver->blocked) {
+        const size_t used = strlen(text);
+        snprintf(text + used, size - used, "; %zu messages wait to be taken by other nodes", driver->blocked);
+    }
+}
+
+static void describe_on_request(struct socket_driver *driver) {
+    char text[512];
+    if (!driver->options->describe || !*driver->options->describe)
+        return;
+    *driver->options->describe = 0;
+    describe(driver, text, sizeof text);
+    fprintf(stderr, "sortlast: %s\n", text);
+    trace_dump(driver->node->trace, stderr, 8);
+}
+
+static bool check_deadline(struct socket_driver *driver, struct status *status) {
+    const int limit = driver->is_started || !is_host(driver) ? driver->options->deadline_s : START_DEADLINE_S;
+    if (seconds_since(&driver->last_news) < limit || (!is_host(driver) && driver->is_started))
+        return true; /* a node that has begun trusts the host's judgement, and its own connection to it */
+    char text[512];
+    describe(driver, text, sizeof text);
+    return status_fail(status, STATUS_TIMEOUT, "nothing happened for %d s: %s", limit, text);
+}
+
+/* Waits until there is something to do. Regions are not taken while something cannot be sent. */
+static void wait_for_events(struct socket_driver *driver, bool may_work) {
+    zmq_pollitem_t *items = memory_get(3 + driver->peer_count, sizeof *items);
+    int count = 0;
+    items[count++] = (zmq_pollitem_t){.socket = driver->control, .events = ZMQ_POLLIN};
+    items[count++] = (zmq_pollitem_t){.socket = driver->monitor, .events = ZMQ_POLLIN};
+    if (driver->input && !driver->blocked)
+        items[count++] = (zmq_pollitem_t){.socket = driver->input, .events = ZMQ_POLLIN};
+    for (size_t i = 0; driver->blocked && i < driver->peer_count; i++)
+        if (driver->peers[i].queue_count && driver->peers[i].push)
+            items[count++] = (zmq_pollitem_t){.socket = driver->peers[i].push, .events = ZMQ_POLLOUT};
+    zmq_poll(items, count, may_work ? 0 : driver->is_probing ? 20 : POLL_MS);
+    free(items);
+}
+
+static bool loop(struct socket_driver *driver, struct status *status) {
+    while (!driver->node->is_finished) {
+        bool any = false;
+        if (*driver->options->stop)
+            return false;
+        describe_on_request(driver);
+        if (!flush_queues(driver, status) || !drain(driver, driver->control, is_host(driver), 64, &any, status))
+            return false;
+        if (driver->input && !driver->blocked && !driver->node->has_work &&
+            !drain(driver, driver->input, false, 1, &any, status))
+            return false;
+        if (driver->node->has_work && !driver->blocked && !driver->node->is_finished) {
+            if (!step(driver, &(struct node_event){.kind = NODE_WORK}, status))
+                return false;
+            any = true;
+        }
+        if (driver->is_probing && !probe_peers(driver, status))
+            return false;
+        if (any)
+            continue;
+        if (!take_disconnect(driver, status) || !check_deadline(driver, status))
+            return false;
+        wait_for_events(driver, driver->node->has_work && !driver->blocked);
+    }
+    while (driver->blocked && !*driver->options->stop) { /* last words */
+        if (!flush_queues(driver, status))
+            return false;
+        wait_for_events(driver, false);
+    }
+    return true;
+}
+
+static void close_driver(struct socket_driver *driver) {
+    for (size_t i = 0; i < driver->peer_count; i++) {
+        struct peer *peer = &driver->peers[i];
+        for (size_t m = 0; m < peer->queue_count; m++)
+            message_release(peer->queue[peer->queue_first + m]);
+        free(peer->queue);
+        if (peer->push)
+            zmq_close(peer->push);
+    }
+    free(driver->peers);
+    if (driver->monitor)
+        zmq_close(driver->monitor);
+    if (driver->control) {
+        zmq_socket_monitor(driver->control, NULL, 0);
+        zmq_close(driver->control);
+    }
+    if (driver->input)
+        zmq_close(driver->input);
+    zmq_ctx_term(driver->context);
+}
+
+/* Tells the host why this node gives up. */
+static void report_failure(struct socket_driver *driver, const struct status *status) {
+    if (is_host(driver) || !driver->control || status->code == STATUS_LOST || status->code == STATUS_OK)
+        return;
+    struct message *message = text_encode(WIRE_FAILURE, status->message, status->code, driver->node->frame,
+                                          node_address_pack(driver->node->address));
+    if (socket_message_send(driver->control, NULL, message) <= 0)
+        message_release(message);
+}
+
+bool driver_sockets_run(struct node *node, const struct socket_options *options, struct status *status) {
+    struct socket_driver driver = {.node = node, .options = options};
+    char endpoint[ENDPOINT_BYTES];
+    driver.context = zmq_ctx_new();
+    clock_gettime(CLOCK_MONOTONIC, &driver.last_news);
+    status->code = STATUS_OK;
+    if (is_host(&driver))
+        add_all_peers(&driver, options->rendering_nodes, options->shading_nodes);
+    bool ok = open_input(&driver, endpoint, status) && open_control(&driver, status);
+    if (ok && !is_host(&driver)) {
+        struct message *hello =
+            text_encode(WIRE_HELLO, endpoint, 0, 0, node_address_pack(node->address));
+        ok = socket_message_send(driver.control, NULL, hello) > 0 ||
+             socket_failure("say hello to the host at", options->host, status);
+    }
+    if (ok && options->board)
+        atomic_store(&options->board->is_started, 1);
+    ok = ok && loop(&driver, status);
+    if (!ok)
+        report_failure(&driver, status);
+    close_driver(&driver);
+    return ok;
+}

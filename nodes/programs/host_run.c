@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/programs/host_run.h"
+
+#include "nodes/driver_in_process.h"
+#include "nodes/driver_sockets.h"
+#include "nodes/framebuffer_node.h"
+#include "nodes/local_services.h"
+#include "nodes/programs/program_signals.h"
+#include "nodes/programs/render_report.h"
+#include "nodes/rendering_node.h"
+#include "nodes/shading_node.h"
+
+#include <stdlib.h>
+
+/* Every node of the cluster in this process; nodes[0] is the host. */
+static bool run_in_process(struct node *host, const struct render_options *options,
+                           struct local_services *services, struct trace *trace, struct status *status) {
+    const uint32_t r = options->host.rendering_nodes, s = options->host.shading_nodes;
+    const struct node_services *interface = local_services_interface(services);
+    struct node **nodes = memory_get((size_t)r + s + 2, sizeof *nodes);
+    size_t count = 0;
+    bool ok = true;
+    nodes[count++] = host;
+    for (uint32_t i = 0; ok && i < r; i++)
+        ok = rendering_node_create(i, trace, &nodes[count], status), count += ok;
+    for (uint32_t i = 0; ok && i < s; i++)
+        ok = shading_node_create(i, interface, trace, &nodes[count], status), count += ok;
+    if (ok)
+        ok = framebuffer_node_create(interface, trace, &nodes[count], status), count += ok;
+    const struct driver_options driver = {.seed = options->schedule_seed};
+    ok = ok && driver_in_process_run(nodes, count, &driver, status);
+    for (size_t i = 1; i < count; i++)
+        node_destroy(nodes[i]);
+    free(nodes);
+    return ok;
+}
+
+static bool run_by_sockets(struct node *host, const struct render_options *options, struct status *status) {
+    const struct socket_options sockets = {
+        .host = options->bind,
+        .rendering_nodes = options->host.rendering_nodes,
+        .shading_nodes = options->host.shading_nodes,
+        .deadline_s = options->deadline_s,
+        .board = options->board >= 0 ? status_board_open(options->board, 0) : NULL,
+        .stop = &program_stop,
+        .describe = &program_describe,
+    };
+    return driver_sockets_run(host, &sockets, status);
+}
+
+static bool report_results(const struct render_options *options, const struct node *host, double wall_s,
+                           struct status *status) {
+    const struct host_report *report = host_node_report(host);
+    if (options->verbosity >= 0 && !(options->json && options->json[0] == '-' && !options->json[1]))
+        render_summary_print(stdout, options, report, wall_s);
+    if (fflush(stdout) || ferror(stdout))
+        return status_fail(status, STATUS_IO, "cannot write the summary to standard output");
+    return !options->json || render_json_write(options, report, wall_s, status);
+}
+
+int host_run(const struct render_options *options) {
+    struct status status = {0};
+    struct trace trace;
+    struct render_progress progress;
+    struct node *host = NULL;
+    program_signals_install();
+    trace_init(&trace, options->driver == DRIVER_IN_PROCESS ? "cluster" : "host",
+               options->verbosity > 0 ? stderr : NULL);
+    struct local_services *services = local_services_create(&trace);
+    render_progress_begin(&progress, options);
+    const struct host_observer observer = render_progress_observer(&progress);
+    bool ok = host_node_create(&options->host, &observer, local_services_build_shaders, services, &trace,
+                               &host, &status);
+    if (ok)
+        ok = options->driver == DRIVER_IN_PROCESS ? run_in_process(host, options, services, &trace, &status)
+                                                  : run_by_sockets(host, options, &status);
+    render_progress_end(&progress);
+    ok = ok && report_results(options, host, render_wall_s(&progress), &status);
+    if (!ok && !(status.code == STATUS_LOST && options->is_supervised) && status.code != STATUS_OK)
+        fprintf(stderr, "sortlast: %s\n", status.message);
+    node_destroy(host);
+    local_services_destroy(services);
+    return ok ? 0 : status.code == STATUS_OK ? 128 + (int)program_stop : status_exit_code(status.code);
+}

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef HOST_RUN_H
+#define HOST_RUN_H
+
+#include "nodes/programs/render_options.h"
+
+/* Runs the host, by sockets or with the whole cluster in this process, shows progress, prints the summary and
+ * writes the JSON. Returns the exit status. */
+int host_run(const struct render_options *options);
+
+#endif

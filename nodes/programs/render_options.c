@@ -1,0 +1,388 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/programs/render_options.h"
+
+#include "images/image.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { NODES_MAX = 4096, FRAMES_MAX = 1000000, SIZE_MAX_PIXELS = 65536, SAMPLES_MAX = 64 };
+
+enum {
+    OPTION_DRIVER = 256,
+    OPTION_TRANSPORT,
+    OPTION_FRAMES,
+    OPTION_MACHINE,
+    OPTION_SEED,
+    OPTION_FORMAT,
+    OPTION_SAMPLES,
+    OPTION_PNG,
+    OPTION_JSON,
+    OPTION_COMPRESSION,
+    OPTION_MATH,
+    OPTION_SHADERS,
+    OPTION_DEADLINE,
+    OPTION_SCHEDULE_SEED,
+    OPTION_BIND,
+    OPTION_BOARD,
+    OPTION_SUPERVISED,
+    OPTION_CHORD,
+};
+
+static const struct option long_options[] = {
+    {"rendering-nodes", required_argument, NULL, 'r'},
+    {"shading-nodes", required_argument, NULL, 's'},
+    {"output", required_argument, NULL, 'o'},
+    {"verbose", no_argument, NULL, 'v'},
+    {"quiet", no_argument, NULL, 'q'},
+    {"help", no_argument, NULL, 'h'},
+    {"driver", required_argument, NULL, OPTION_DRIVER},
+    {"transport", required_argument, NULL, OPTION_TRANSPORT},
+    {"frames", required_argument, NULL, OPTION_FRAMES},
+    {"machine", required_argument, NULL, OPTION_MACHINE},
+    {"seed", required_argument, NULL, OPTION_SEED},
+    {"format", required_argument, NULL, OPTION_FORMAT},
+    {"samples", required_argument, NULL, OPTION_SAMPLES},
+    {"png", no_argument, NULL, OPTION_PNG},
+    {"json", required_argument, NULL, OPTION_JSON},
+    {"compression", required_argument, NULL, OPTION_COMPRESSION},
+    {"math", required_argument, NULL, OPTION_MATH},
+    {"chord", required_argument, NULL, OPTION_CHORD},
+    {"shaders", required_argument, NULL, OPTION_SHADERS},
+    {"deadline", required_argument, NULL, OPTION_DEADLINE},
+    {"schedule-seed", required_argument, NULL, OPTION_SCHEDULE_SEED},
+    {"bind", required_argument, NULL, OPTION_BIND},
+    {"status-board", required_argument, NULL, OPTION_BOARD},
+    {"supervised", no_argument, NULL, OPTION_SUPERVISED},
+    {0},
+};
+
+static void print_help(bool is_host_program) {
+    if (is_host_program)
+        puts("usage: sortlast-host --bind ENDPOINT [options] SCENE.rib\n"
+             "\n"
+             "The host of a cluster whose nodes are started by hand, by script or by a job scheduler: waits for\n"
+             "them at ENDPOINT, then renders the scene with them and prints the summary.\n"
+             "\n"
+             "      --bind ENDPOINT        ipc://PATH or tcp://ADDRESS:PORT where the nodes will call\n"
+             "      --status-board FD      inherited descriptor of a supervisor's status board\n"
+             "      --supervised           leave it to the supervisor to report lost nodes");
+    else
+        puts("usage: sortlast render [options] SCENE.rib\n"
+             "\n"
+             "Renders a scene on a local cluster and says what the frame would have cost the machine.");
+    puts("\n"
+         "Cluster\n"
+         "  -r, --rendering-nodes N    rendering nodes (default 1)\n"
+         "  -s, --shading-nodes N      shading nodes (default 1)\n"
+         "      --machine FILE|NAME    machine description (default pixelflow)\n"
+         "      --seed N               seed of the distribution of primitives (default 1)\n"
+         "\n"
+         "Picture\n"
+         "  -o, --output FILE.exr      picture to write; several frames are numbered: %04d in the name, or\n"
+         "                             .0001 before the suffix (default: no picture)\n"
+         "      --png                  write a PNG beside it\n"
+         "      --compression C        none, rle, zips, zip or piz (default zip)\n"
+         "      --format WxH           size in pixels (default: the scene's Format)\n"
+         "      --samples N|NxM        samples a pixel: a square number, or across x down (default: the\n"
+         "                             scene's PixelSamples)\n"
+         "      --chord PIXELS         how far a diced curve may lie from the true one (default 0.1)\n"
+         "      --frames N             render N frames; a scene with fewer repeats its last\n"
+         "      --math exact|fast      accurate functions, or the paper's faster ones (default exact)\n"
+         "      --shaders FOLDER       look for shaders here too; may be repeated. Before it: the scene's\n"
+         "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the library\n"
+         "\n"
+         "Running\n"
+         "      --driver D             processes (default): every node is one; in-process: all in one\n"
+         "      --transport T          ipc (default): sockets in a private folder; tcp: loopback\n"
+         "      --schedule-seed N      in-process: draw the order of events from this seed\n"
+         "      --deadline S           longest silence before a node counts as stuck (default 60)\n"
+         "\n"
+         "Output\n"
+         "      --json FILE            write the summary as JSON; - for standard output\n"
+         "  -v, --verbose              say what each node does\n"
+         "  -q, --quiet                only errors\n"
+         "  -h, --help                 this text\n"
+         "\n"
+         "Environment: SORTLAST_CACHE folder of compiled shaders; SORTLAST_CC C compiler; SORTLAST_SHADERS more\n"
+         "folders of shaders, separated by colons; SORTLAST_VECTOR_WIDTH 4, 8 or 16 lanes; NO_COLOR.\n"
+         "\n"
+         "Exit status: 0 done; 1 the scene, a shader or an option is wrong; 2 something around it failed;\n"
+         "3 a node was lost.");
+}
+
+static bool parse_whole(const char *text, const char *what, long long minimum, long long maximum,
+                        long long *value, struct status *status) {
+    char *end;
+    errno = 0;
+    *value = strtoll(text, &end, 10);
+    if (end == text || *end || errno || *value < minimum || *value > maximum)
+        return status_fail(status, STATUS_INVALID, "%s must be a whole number from %lld to %lld, not \"%s\"",
+                           what, minimum, maximum, text);
+    return true;
+}
+
+static bool parse_pair(const char *text, const char *what, int maximum, int *a, int *b,
+                       struct status *status) {
+    char rest;
+    if (sscanf(text, "%dx%d%c", a, b, &rest) != 2 || *a < 1 || *b < 1 || *a > maximum || *b > maximum)
+        return status_fail(status, STATUS_INVALID, "%s must be like 1280x1024, each from 1 to %d, not \"%s\"",
+                           what, maximum, text);
+    return true;
+}
+
+static bool parse_samples(const char *text, struct host_options *host, struct status *status) {
+    long long count;
+    if (strchr(text, 'x'))
+        return parse_pair(text, "--samples", SAMPLES_MAX, &host->reading.samples_x,
+                          &host->reading.samples_y, status);
+    if (!parse_whole(text, "--samples", 1, SAMPLES_MAX * SAMPLES_MAX, &count, status))
+        return false;
+    int side = 1;
+    while (side * side < count)
+        side++;
+    if (side * side != count)
+        return status_fail(status, STATUS_INVALID,
+                           "--samples %lld is not a square number; say how many across and down, like 4x2",
+                           count);
+    host->reading.samples_x = host->reading.samples_y = side;
+    return true;
+}
+
+static bool parse_choice(const char *text, const char *what, const char *const *choices, int *value,
+                         struct status *status) {
+    char all[256] = "";
+    for (int i = 0; choices[i]; i++) {
+        if (!strcmp(text, choices[i])) {
+            *value = i;
+            return true;
+        }
+        const size_t used = strlen(all);
+        snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", choices[i]);
+    }
+    return status_fail(status, STATUS_INVALID, "%s must be one of %s, not \"%s\"", what, all, text);
+}
+
+static void add_folder(struct render_options *options, const char *folder, size_t length) {
+    const int count = options->host.shader_folder_count;
+    if (count == sizeof options->folders / sizeof *options->folders)
+        return;
+    options->folders[count] = memory_get(length + 1, 1);
+    memcpy(options->folders[count], folder, length);
+    options->host.shader_folder_count++;
+}
+
+static bool parse_chord(const char *text, double *chord, struct status *status) {
+    char *end;
+    *chord = strtod(text, &end);
+    if (end == text || *end || !(*chord >= 0.001 && *chord <= 1000))
+        return status_fail(status, STATUS_INVALID, "--chord must be from 0.001 to 1000 pixels, not \"%s\"", text);
+    return true;
+}
+
+static bool parse_one(int option, const char *text, struct render_options *o, struct status *status) {
+    static const char *const drivers[] = {"processes", "in-process", NULL};
+    static const char *const transports[] = {"ipc", "tcp", NULL};
+    static const char *const compressions[] = {"none", "rle", "zips", "zip", "piz", NULL};
+    static const char *const maths[] = {"exact", "fast", NULL};
+    long long whole = 0;
+    int choice = 0;
+    bool ok = true;
+    switch (option) {
+    case 'r':
+        ok = parse_whole(text, "-r (rendering nodes)", 1, NODES_MAX, &whole, status);
+        o->host.rendering_nodes = (uint32_t)whole;
+        return ok;
+    case 's':
+        ok = parse_whole(text, "-s (shading nodes)", 1, NODES_MAX, &whole, status);
+        o->host.shading_nodes = (uint32_t)whole;
+        return ok;
+    case 'o':
+        o->host.output = text;
+        return true;
+    case 'v':
+        o->verbosity = 1;
+        return true;
+    case 'q':
+        o->verbosity = -1;
+        return true;
+    case OPTION_DRIVER:
+        ok = parse_choice(text, "--driver", drivers, &choice, status);
+        o->driver = (enum render_driver)choice;
+        return ok;
+    case OPTION_TRANSPORT:
+        ok = parse_choice(text, "--transport", transports, &choice, status);
+        o->transport = (enum render_transport)choice;
+        return ok;
+    case OPTION_FRAMES:
+        ok = parse_whole(text, "--frames", 1, FRAMES_MAX, &whole, status);
+        o->host.frames = (int)whole;
+        return ok;
+    case OPTION_MACHINE:
+        snprintf(o->machine_file, sizeof o->machine_file, "%s", text);
+        return true;
+    case OPTION_SEED:
+        ok = parse_whole(text, "--seed", 0, LLONG_MAX, &whole, status);
+        o->host.seed = (uint64_t)whole;
+        return ok;
+    case OPTION_FORMAT:
+        return parse_pair(text, "--format", SIZE_MAX_PIXELS, &o->host.reading.width, &o->host.reading.height,
+                          status);
+    case OPTION_SAMPLES:
+        return parse_samples(text, &o->host, status);
+    case OPTION_PNG:
+        o->host.write_png = true;
+        return true;
+    case OPTION_JSON:
+        o->json = text;
+        return true;
+    case OPTION_COMPRESSION:
+        ok = parse_choice(text, "--compression", compressions, &choice, status);
+        o->host.compression = (uint32_t)choice;
+        return ok;
+    case OPTION_MATH:
+        ok = parse_choice(text, "--math", maths, &choice, status);
+        o->host.fast_math = choice == 1;
+        return ok;
+    case OPTION_CHORD:
+        return parse_chord(text, &o->host.reading.chord_pixels, status);
+    case OPTION_SHADERS:
+        add_folder(o, text, strlen(text));
+        return true;
+    case OPTION_DEADLINE:
+        ok = parse_whole(text, "--deadline", 1, 86400, &whole, status);
+        o->deadline_s = (int)whole;
+        return ok;
+    case OPTION_SCHEDULE_SEED:
+        ok = parse_whole(text, "--schedule-seed", 0, LLONG_MAX, &whole, status);
+        o->schedule_seed = (uint64_t)whole;
+        return ok;
+    case OPTION_BIND:
+        o->bind = text;
+        return true;
+    case OPTION_BOARD:
+        ok = parse_whole(text, "--status-board", 0, INT_MAX, &whole, status);
+        o->board = (int)whole;
+        return ok;
+    case OPTION_SUPERVISED:
+        o->is_supervised = 1;
+        return true;
+    default:
+        return status_fail(status, STATUS_INVALID, "unknown option");
+    }
+}
+
+bool program_folder(char *path, size_t size) {
+    const ssize_t length = readlink("/proc/self/exe", path, size - 1);
+    if (length <= 0)
+        return false;
+    path[length] = 0;
+    char *slash = strrchr(path, '/');
+    if (slash)
+        *slash = 0;
+    return slash != NULL;
+}
+
+static void add_default_folders(struct render_options *options) {
+    char folder[4096], program[3072];
+    const char *more = getenv("SORTLAST_SHADERS");
+    for (const char *at = more; at && *at;) {
+        const size_t length = strcspn(at, ":");
+        add_folder(options, at, length);
+        at += length + (at[length] == ':');
+    }
+    if (program_folder(program, sizeof program)) {
+        snprintf(folder, sizeof folder, "%s/../shaders/library", program);
+        add_folder(options, folder, strlen(folder));
+        snprintf(folder, sizeof folder, "%s/../share/sortlast/shaders", program);
+        add_folder(options, folder, strlen(folder));
+    }
+}
+
+static void add_scene_folders(struct render_options *options) {
+    const char *scene = options->host.scene, *slash = strrchr(scene, '/');
+    char folder[4096];
+    const int length = slash ? (int)(slash - scene) : 1;
+    snprintf(folder, sizeof folder, "%.*s", length, slash ? scene : ".");
+    add_folder(options, folder, strlen(folder));
+    snprintf(folder, sizeof folder, "%.*s/shaders", length, slash ? scene : ".");
+    add_folder(options, folder, strlen(folder));
+}
+
+static bool read_machine(struct render_options *options, struct status *status) {
+    char program[3072], path[4096 + 64];
+    const char *name = options->machine_file[0] ? options->machine_file : "pixelflow";
+    if (strchr(name, '/') || strchr(name, '.'))
+        return machine_read_file(name, &options->host.machine, status);
+    for (size_t i = 0; program_folder(program, sizeof program) && i < 2; i++) {
+        const int length = i ? snprintf(path, sizeof path, "%s/../share/sortlast/machines/%s.json", program, name)
+                             : snprintf(path, sizeof path, "%s/../machines/%s.json", program, name);
+        if (length > 0 && (size_t)length < sizeof path && !access(path, R_OK))
+            return machine_read_file(path, &options->host.machine, status);
+    }
+    return status_fail(status, STATUS_NOT_FOUND, "there is no machine description \"%s\"", name);
+}
+
+static int usage_error(const struct status *status) {
+    fprintf(stderr, "sortlast: %s\n(see --help)\n", status->message);
+    return 2;
+}
+
+int render_options_parse(int argc, char **argv, bool is_host_program, struct render_options *options) {
+    struct status status = {0};
+    *options = (struct render_options){.deadline_s = 60, .board = -1};
+    options->host.rendering_nodes = options->host.shading_nodes = 1;
+    options->host.seed = 1;
+    options->host.compression = IMAGE_COMPRESSION_ZIP;
+    options->host.shader_folders = (const char *const *)options->folders;
+    int option;
+    opterr = 0;
+    optind = 1;
+    /* the scene's own folders come first: find the scene before the options are worked through */
+    char **order = memory_get((size_t)argc + 1, sizeof *order);
+    memcpy(order, argv, (size_t)argc * sizeof *order);
+    while ((option = getopt_long(argc, order, "r:s:o:vqh", long_options, NULL)) != -1) {
+        if (option == 'h') {
+            print_help(is_host_program);
+            free(order);
+            return 1;
+        }
+        if (option == '?' || (!is_host_program && option >= OPTION_BIND && option <= OPTION_SUPERVISED)) {
+            status_fail(&status, STATUS_INVALID, "unknown option or missing value: %s", order[optind - 1]);
+            free(order);
+            return usage_error(&status);
+        }
+    }
+    if (optind + 1 != argc) {
+        status_fail(&status, STATUS_INVALID, optind < argc ? "more than one scene is given"
+                                                           : "no scene is given");
+        free(order);
+        return usage_error(&status);
+    }
+    options->host.scene = order[optind];
+    free(order);
+    add_scene_folders(options);
+    optind = 1;
+    while ((option = getopt_long(argc, argv, "r:s:o:vqh", long_options, NULL)) != -1)
+        if (!parse_one(option, optarg, options, &status))
+            return usage_error(&status);
+    add_default_folders(options);
+    if (is_host_program && !options->bind) {
+        status_fail(&status, STATUS_INVALID, "--bind is missing: where should the nodes call?");
+        return usage_error(&status);
+    }
+    if (!read_machine(options, &status))
+        return usage_error(&status);
+    return 0;
+}
+
+void render_options_finish(struct render_options *options) {
+    for (int i = 0; i < options->host.shader_folder_count; i++)
+        free(options->folders[i]);
+    options->host.shader_folder_count = 0;
+}

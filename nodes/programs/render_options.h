@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef RENDER_OPTIONS_H
+#define RENDER_OPTIONS_H
+
+#include "nodes/host_node.h"
+
+/* The options of `sortlast render` and of `sortlast-host`, which takes them over from it. */
+
+enum render_driver { DRIVER_PROCESSES, DRIVER_IN_PROCESS };
+enum render_transport { TRANSPORT_IPC, TRANSPORT_TCP };
+
+struct render_options {
+    struct host_options host;
+    enum render_driver driver;
+    enum render_transport transport;
+    uint64_t schedule_seed; /* of the in-process driver */
+    const char *json;       /* file, "-" for standard output, NULL: none */
+    int deadline_s;
+    int verbosity; /* -1 quiet, 0, 1 verbose */
+    const char *bind; /* sortlast-host: where to listen */
+    int board;        /* descriptor of a status board, -1: none */
+    int is_supervised; /* someone else reports lost nodes */
+    char machine_file[4096];
+    char *folders[32];
+};
+
+/* Parses and checks everything, reads the machine description. `is_host_program` adds its own options and makes
+ * --bind required. Returns 0 to go on, else the exit status plus 1 to end with (--help printed, or a message on
+ * standard error). */
+int render_options_parse(int argc, char **argv, bool is_host_program, struct render_options *options);
+void render_options_finish(struct render_options *options);
+
+/* The folder of the running program. */
+bool program_folder(char *path, size_t size);
+
+#endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "images/image_compare.h"
+#include "nodes/programs/host_run.h"
+#include "nodes/programs/local_cluster.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static int render_main(int argc, char **argv) {
+    struct render_options options;
+    const int end = render_options_parse(argc, argv, false, &options);
+    int result = end - 1;
+    if (!end)
+        result = options.driver == DRIVER_IN_PROCESS ? host_run(&options)
+                                                     : local_cluster_run(argc, argv, &options);
+    render_options_finish(&options);
+    return result;
+}
+
+/* Verbs of the command: X(name, function, what it does) */
+#define VERBS(X)                                                                                             \
+    X("render", render_main, "render a scene on a local cluster")                                            \
+    X("compare", image_compare_main, "say how far two pictures are apart")
+
+static void print_help(FILE *stream) {
+    fprintf(stream, "usage: sortlast VERB [options]\n\n"
+                    "Simulates a sort-last, deferred-shading rendering cluster of the PixelFlow class.\n\n");
+#define VERB_HELP(name, function, what) fprintf(stream, "  %-10s %s\n", name, what);
+    VERBS(VERB_HELP)
+#undef VERB_HELP
+    fprintf(stream, "\n`sortlast VERB --help` tells all about a verb.\n");
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        print_help(stderr);
+        return 1;
+    }
+    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help")) {
+        print_help(stdout);
+        return 0;
+    }
+    if (!strcmp(argv[1], "--version")) {
+        puts("sortlast " SORTLAST_VERSION);
+        return 0;
+    }
+#define VERB_CALL(name, function, what)                                                                      \
+    if (!strcmp(argv[1], name))                                                                              \
+        return function(argc - 1, argv + 1);
+    VERBS(VERB_CALL)
+#undef VERB_CALL
+    fprintf(stderr, "sortlast: unknown verb \"%s\"\n", argv[1]);
+    print_help(stderr);
+    return 1;
+}

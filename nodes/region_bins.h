@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef REGION_BINS_H
+#define REGION_BINS_H
+
+#include "nodes/protocol.h"
+
+#include <stdint.h>
+
+/* Which regions a node's triangles fall into, and within a region which tiles of 4 x 4 samples: rays are cast
+ * only there, and a region without a bin costs nothing (contract C4). */
+
+enum { TILE_SAMPLES = 4 }; /* each way: 16 rays, one Embree packet */
+
+struct region_bin {
+    uint32_t triangles; /* whose screen rectangle touches the region: what raster is charged */
+    uint64_t tiles[];   /* bit per tile, rows of bins->tile_words words */
+};
+
+struct region_bins {
+    struct region_grid grid;
+    uint32_t tile_columns, tile_rows, tile_words; /* of one region; words per row of tiles */
+    struct region_bin **bins;                     /* one a region; NULL: nothing there */
+};
+
+void region_bins_init(struct region_bins *bins, const struct region_grid *grid);
+void region_bins_finish(struct region_bins *bins);
+/* Adds a triangle given in camera space. Parts in front of the near plane are cut off first; coordinates that are
+ * not finite are ignored. */
+void region_bins_add(struct region_bins *bins, const struct frame_payload *frame, const float *v0,
+                     const float *v1, const float *v2);
+
+static inline bool region_bin_has_tile(const struct region_bins *bins, const struct region_bin *bin,
+                                       uint32_t column, uint32_t row) {
+    return bin->tiles[row * bins->tile_words + column / 64] >> (column % 64) & 1;
+}
+
+#endif

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/shader_library.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SOURCE_BYTES_MAX = 1 << 20, PATH_BYTES = 4096 };
+
+struct library_entry {
+    struct shader_variant variant; /* first: what callers see */
+    char *key;                     /* "name\nmaterial\nmaterial..." */
+};
+
+struct shader_library {
+    char **folders;
+    int folder_count;
+    bool fast_math;
+    struct library_entry **entries; /* pointers: variants must not move */
+    size_t count, capacity;
+    size_t warned_entry;
+    int warned;
+};
+
+struct shader_library *shader_library_create(const char *const *folders, int folder_count, bool fast_math) {
+    struct shader_library *library = memory_get(1, sizeof *library);
+    library->folders = memory_get((size_t)folder_count, sizeof *library->folders);
+    for (int i = 0; i < folder_count; i++)
+        library->folders[i] = memory_copy_string(folders[i]);
+    library->folder_count = folder_count;
+    library->fast_math = fast_math;
+    return library;
+}
+
+void shader_library_destroy(struct shader_library *library) {
+    if (!library)
+        return;
+    for (int i = 0; i < library->folder_count; i++)
+        free(library->folders[i]);
+    for (size_t i = 0; i < library->count; i++) {
+        shader_program_destroy((struct shader_program *)library->entries[i]->variant.program);
+        free(library->entries[i]->key);
+        free(library->entries[i]);
+    }
+    free(library->folders);
+    free(library->entries);
+    free(library);
+}
+
+static FILE *open_source(const struct shader_library *library, const char *name, char path[PATH_BYTES]) {
+    const size_t length = strlen(name);
+    const char *suffix = length > 3 && !strcmp(name + length - 3, ".sl") ? "" : ".sl";
+    if (name[0] == '/') {
+        snprintf(path, PATH_BYTES, "%s%s", name, suffix);
+        return fopen(path, "rb");
+    }
+    for (int i = 0; i < library->folder_count; i++) {
+        snprintf(path, PATH_BYTES, "%s/%s%s", library->folders[i], name, suffix);
+        FILE *file = fopen(path, "rb");
+        if (file)
+            return file;
+    }
+    return NULL;
+}
+
+static bool not_found(const struct shader_library *library, const char *name,
+                      const struct scene_location *at, struct status *status) {
+    char folders[1024] = "";
+    for (int i = 0; i < library->folder_count; i++) {
+        size_t used = strlen(folders);
+        snprintf(folders + used, sizeof folders - used, "%s%s", i ? ", " : "", library->folders[i]);
+    }
+    return status_fail(status, STATUS_NOT_FOUND, "%s:%d:%d: error: there is no shader \"%s\" (looked for %s.sl in %s)",
+                       at->file ? at->file : "scene", at->line, at->column, name, name, folders);
+}
+
+static bool compile(struct shader_library *library, const char *name, const char *const *material,
+                    int material_count, const struct scene_location *at, struct shader_program **program,
+                    struct status *status) {
+    char path[PATH_BYTES];
+    FILE *file = open_source(library, name, path);
+    if (!file)
+        return not_found(library, name, at, status);
+    char *text = memory_get(SOURCE_BYTES_MAX + 2, 1);
+    const size_t length = fread(text, 1, SOURCE_BYTES_MAX + 1, file);
+    const bool is_read = !ferror(file);
+    fclose(file);
+    const struct shader_compile_options options = {material, material_count, library->fast_math};
+    bool ok = is_read ? shader_compile(path, text, length, &options, program, status)
+                      : status_fail(status, STATUS_IO, "cannot read %s: %s", path, strerror(errno));
+    free(text);
+    return ok;
+}
+
+static int compare_names(const void *a, const void *b) {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* The key of a variant: shader name and sorted material names. */
+static char *variant_key(const char *name, const char **material, int count) {
+    qsort(material, (size_t)count, sizeof *material, compare_names);
+    size_t length = strlen(name) + 1;
+    for (int i = 0; i < count; i++)
+        length += strlen(material[i]) + 1;
+    char *key = memory_get(length, 1), *at = stpcpy(key, name);
+    for (int i = 0; i < count; i++) {
+        *at++ = '\n';
+        at = stpcpy(at, material[i]);
+    }
+    return key;
+}
+
+static bool check_kind(const struct shader_program *program, const char *name, enum shader_kind kind,
+                       const struct scene_location *at, struct status *status) {
+    if (program->kind == kind)
+        return true;
+    return status_fail(status, STATUS_INVALID, "%s:%d:%d: error: \"%s\" is a %s shader, a %s shader is needed here",
+                       at->file ? at->file : "scene", at->line, at->column, name,
+                       program->kind == SHADER_KIND_LIGHT ? "light" : "surface",
+                       kind == SHADER_KIND_LIGHT ? "light" : "surface");
+}
+
+bool shader_library_variant(struct shader_library *library, const char *name, enum shader_kind kind,
+                            const char *const *material, int material_count,
+                            const struct scene_location *asked_at, const struct shader_variant **variant,
+                            struct status *status) {
+    const char **sorted = memory_get((size_t)material_count, sizeof *sorted);
+    if (material_count)
+        memcpy(sorted, material, (size_t)material_count * sizeof *sorted);
+    char *key = variant_key(name, sorted, material_count);
+    struct library_entry *found = NULL;
+    for (size_t i = 0; i < library->count && !found; i++)
+        if (!strcmp(library->entries[i]->key, key))
+            found = library->entries[i];
+    bool ok = true;
+    struct shader_program *program;
+    if (!found &&
+        (ok = compile(library, name, sorted, material_count, asked_at, &program, status))) {
+        found = memory_get(1, sizeof *found);
+        *found = (struct library_entry){{(uint32_t)library->count, program}, key};
+        key = NULL;
+        library->entries = memory_grow(library->entries, &library->capacity, library->count + 1,
+                                       sizeof *library->entries);
+        library->entries[library->count++] = found;
+    }
+    free(key);
+    free(sorted);
+    if (!ok || !check_kind(found->variant.program, name, kind, asked_at, status))
+        return false;
+    *variant = &found->variant;
+    return true;
+}
+
+uint32_t shader_library_count(const struct shader_library *library) {
+    return (uint32_t)library->count;
+}
+
+const struct shader_variant *shader_library_at(const struct shader_library *library, uint32_t number) {
+    return &library->entries[number]->variant;
+}
+
+const char *shader_library_warning(struct shader_library *library) {
+    for (; library->warned_entry < library->count; library->warned_entry++, library->warned = 0) {
+        const struct shader_program *program = library->entries[library->warned_entry]->variant.program;
+        if (library->warned < program->warning_count)
+            return program->warnings[library->warned++];
+    }
+    return NULL;
+}

@@ -1,0 +1,466 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/shading_node.h"
+
+#include "nodes/shading_frame.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    SHADING_FRAMES = 2,
+    BATCH_SAMPLES = 512, /* shaded at a time: all their planes stay in the first or second level cache */
+    PLANE_ALIGNMENT = 64,
+};
+
+/* Planes of one batch, gathered from the region. */
+struct batch {
+    size_t material_capacity;
+    float *memory;          /* material planes, then the fixed planes below */
+    const float **material;
+    float *position[3], *incident[3], *color[3], *opacity[3];
+    size_t light_capacity;
+    float *light_scratch;
+};
+
+struct shading_node {
+    struct node node;
+    const struct node_services *services;
+    bool is_configured;
+    struct configuration configuration;
+    struct shader_table shaders;
+    struct shading_frame frames[SHADING_FRAMES];
+    struct shading_frame retired[SHADING_FRAMES]; /* over, kept for what the next frame in the slot shares */
+    struct pending_region {
+        struct message *message;
+        struct wire_header header;
+    } *queue;
+    size_t queue_first, queue_count, queue_capacity;
+    struct batch batch;
+    /* scratch for one region */
+    uint32_t *order;    /* covered samples, sorted by instance */
+    uint32_t *location; /* sample index in the region of each covered sample */
+    float *screen_x, *screen_y;
+    uint64_t overruns_warned;
+};
+
+static struct shading_frame *frame_of(struct shading_node *self, uint32_t frame) {
+    return &self->frames[frame % SHADING_FRAMES];
+}
+
+static float *planes_create(size_t count) {
+    float *planes = aligned_alloc(PLANE_ALIGNMENT, count * BATCH_SAMPLES * sizeof(float));
+    if (!planes)
+        abort();
+    memset(planes, 0, count * BATCH_SAMPLES * sizeof(float));
+    return planes;
+}
+
+static void batch_reserve(struct batch *batch, size_t material_count, size_t light_count) {
+    enum { FIXED_PLANES = 12, LIGHT_FLOATS = 7 * 16 };
+    if (!batch->memory || material_count > batch->material_capacity) {
+        free(batch->memory);
+        free(batch->material);
+        batch->material_capacity = material_count;
+        batch->memory = planes_create(material_count + FIXED_PLANES);
+        batch->material = memory_get(material_count, sizeof *batch->material);
+        float *next = batch->memory;
+        for (size_t p = 0; p < material_count; p++, next += BATCH_SAMPLES)
+            batch->material[p] = next;
+        for (int c = 0; c < 3; c++) {
+            batch->position[c] = next;
+            batch->incident[c] = next + 3 * BATCH_SAMPLES;
+            batch->color[c] = next + 6 * BATCH_SAMPLES;
+            batch->opacity[c] = next + 9 * BATCH_SAMPLES;
+            next += BATCH_SAMPLES;
+        }
+    }
+    if (!batch->light_scratch || light_count > batch->light_capacity) {
+        free(batch->light_scratch);
+        batch->light_capacity = light_count;
+        batch->light_scratch =
+            aligned_alloc(PLANE_ALIGNMENT, (light_count + 1) * LIGHT_FLOATS * sizeof(float));
+        if (!batch->light_scratch)
+            abort();
+    }
+}
+
+/* Copies the batch's samples out of a plane of the region; the last one is repeated up to a whole vector. */
+static void gather(float *restrict out, const float *restrict plane, const uint32_t *restrict order,
+                   size_t count, size_t padded) {
+    if (order[count - 1] - order[0] == count - 1) /* neighbours: ascending within an instance */
+        memcpy(out, plane + order[0], count * sizeof *out);
+    else
+        for (size_t k = 0; k < count; k++)
+            out[k] = plane[order[k]];
+    for (size_t k = count; k < padded; k++)
+        out[k] = out[count - 1];
+}
+
+/* Pre-shade (PF section 6.1.5.2): position and incident direction from depth and place on the screen. */
+static void rebuild_positions(struct shading_node *self, const struct shading_frame *frame,
+                              const struct region_view *region, const uint32_t *order, size_t count,
+                              size_t padded) {
+    struct batch *batch = &self->batch;
+    const uint32_t width = frame->grid.region_width;
+    for (size_t k = 0; k < padded; k++) {
+        const uint32_t sample = order[k < count ? k : count - 1];
+        const uint32_t at = self->location[sample];
+        const float x = self->screen_x[at % width], y = self->screen_y[at / width];
+        const float z = region->depth[sample];
+        if (frame->frame.is_perspective) {
+            batch->incident[0][k] = batch->position[0][k] = x * z;
+            batch->incident[1][k] = batch->position[1][k] = y * z;
+            batch->incident[2][k] = z;
+        } else {
+            batch->position[0][k] = x;
+            batch->position[1][k] = y;
+            batch->incident[0][k] = batch->incident[1][k] = 0;
+            batch->incident[2][k] = 1;
+        }
+        batch->position[2][k] = z;
+    }
+}
+
+static int shade_batch(struct shading_node *self, const struct shading_frame *frame,
+                       const struct region_view *region, struct prepared_shader *instance,
+                       const uint32_t *order, size_t count, struct colour_draft *draft) {
+    const struct shader_module *module = instance->module;
+    struct batch *batch = &self->batch;
+    const size_t width = module->width, padded = (count + width - 1) / width * width;
+    for (int p = 0; p < module->material_count; p++)
+        gather((float *)batch->material[p], region->slots + (size_t)p * region->head.sample_count, order,
+               count, padded);
+    rebuild_positions(self, frame, region, order, count, padded);
+    struct shader_call call = {
+        .count = count,
+        .material = batch->material,
+        .uniform = instance->uniform,
+        .matrices = instance->matrices,
+        .lights = instance->lights,
+        .light_count = instance->light_count,
+        .light_scratch = batch->light_scratch,
+        .counters = &instance->counts.counters,
+    };
+    for (int c = 0; c < 3; c++) {
+        call.position[c] = batch->position[c];
+        call.incident[c] = batch->incident[c];
+        call.color[c] = batch->color[c];
+        call.opacity[c] = batch->opacity[c];
+    }
+    module->shade(&call);
+    for (int c = 0; c < 3; c++)
+        for (size_t k = 0; k < count; k++)
+            draft->color[c][order[k]] = batch->color[c][k];
+    return call.overrun;
+}
+
+/* One instance over all its samples in the region. */
+static void shade_instance(struct shading_node *self, const struct shading_frame *frame,
+                           const struct region_view *region, struct prepared_shader *instance,
+                           const uint32_t *order, size_t count, struct colour_draft *draft,
+                           struct node_outputs *outputs) {
+    const struct shader_module *module = instance->module;
+    batch_reserve(&self->batch, (size_t)module->material_count, (size_t)instance->light_count);
+    execution_counts_reset(&instance->counts);
+    int overrun = 0;
+    for (size_t at = 0; at < count; at += BATCH_SAMPLES) {
+        const size_t some = count - at < BATCH_SAMPLES ? count - at : BATCH_SAMPLES;
+        overrun |= shade_batch(self, frame, region, instance, order + at, some, draft);
+    }
+    if (overrun && !self->overruns_warned++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "shader %s: a loop was stopped after %d turns in frame %u, region %u (and perhaps "
+                 "others)",
+                 module->name, SHADER_LOOP_LIMIT, self->node.frame, self->node.region);
+        node_send(outputs, (struct node_address){NODE_HOST, 0},
+                  text_encode(WIRE_WARNING, text, 0, self->node.frame,
+                              node_address_pack(self->node.address)));
+    }
+}
+
+/* Sorts the covered samples by shader ID, keeping their order within each, and finds where each lies. Returns
+ * the number of IDs present, at most `ids_max`, listed with their counts in `ids`. */
+struct id_range {
+    uint32_t id, first, count;
+};
+
+static size_t sort_samples(struct shading_node *self, const struct region_view *region,
+                           struct id_range **ranges) {
+    const uint32_t samples = region->head.sample_count;
+    size_t count = 0, capacity = 0;
+    *ranges = NULL;
+    static const uint32_t none = UINT32_MAX;
+    uint32_t *range_of = memory_get(65536, sizeof *range_of); /* calloc: pages of unused IDs cost nothing */
+    for (uint32_t i = 0; i < samples; i++) {
+        uint32_t *range = &range_of[region->shader[i]];
+        if (!*range) {
+            *ranges = memory_grow(*ranges, &capacity, count + 1, sizeof **ranges);
+            (*ranges)[count] = (struct id_range){region->shader[i], none, 0};
+            *range = (uint32_t)++count;
+        }
+        (*ranges)[*range - 1].count++;
+    }
+    uint32_t first = 0;
+    for (size_t r = 0; r < count; r++) {
+        (*ranges)[r].first = first;
+        first += (*ranges)[r].count;
+        (*ranges)[r].count = 0;
+    }
+    for (uint32_t i = 0; i < samples; i++) {
+        struct id_range *range = &(*ranges)[range_of[region->shader[i]] - 1];
+        self->order[range->first + range->count++] = i;
+    }
+    free(range_of);
+    uint32_t at = 0;
+    for (uint32_t r = 0; r < region->head.run_count; r++)
+        for (uint32_t k = 0; k < region->runs[r].count; k++)
+            self->location[at++] = region->runs[r].first + k;
+    return count;
+}
+
+static void prepare_scratch(struct shading_node *self, const struct shading_frame *frame,
+                            uint32_t region) {
+    const struct region_grid *grid = &frame->grid;
+    if (!self->order) {
+        const size_t samples = (size_t)grid->region_width * grid->region_height;
+        self->order = memory_get(samples, sizeof *self->order);
+        self->location = memory_get(samples, sizeof *self->location);
+        self->screen_x = memory_get(grid->region_width, sizeof *self->screen_x);
+        self->screen_y = memory_get(grid->region_height, sizeof *self->screen_y);
+    }
+    uint32_t x, y;
+    region_grid_origin(grid, region, &x, &y);
+    for (uint32_t i = 0; i < grid->region_width; i++)
+        self->screen_x[i] = region_grid_screen_x(grid, &frame->frame, x + i);
+    for (uint32_t i = 0; i < grid->region_height; i++)
+        self->screen_y[i] = region_grid_screen_y(grid, &frame->frame, y + i);
+}
+
+/* Marks the lights that shine on any of the instances, for a new region; returns how many. */
+static uint32_t begin_lights(struct shading_frame *frame, struct prepared_shader **instances, size_t count) {
+    uint32_t lights = 0;
+    for (size_t i = 0; i < count; i++)
+        for (int l = 0; l < instances[i]->light_count; l++) {
+            struct prepared_shader *light = &frame->lights[instances[i]->payload.lights[l]];
+            if (!light->is_counted) {
+                execution_counts_reset(&light->counts);
+                light->is_counted = true;
+                lights++;
+            }
+        }
+    return lights;
+}
+
+/* What the array is charged for this region: position reconstruction once, each light once, each instance. */
+static void collect_work(struct shading_frame *frame, struct prepared_shader **instances,
+                         size_t instance_count, struct shading_work *work) {
+    work->instance = SHADING_WORK_SHARED;
+    work->operations[SIMD_FLOAT_ADD] = 2; /* ours: X and Y from the pixel's address, */
+    work->operations[SIMD_FLOAT_MULTIPLY] = frame->frame.is_perspective ? 4 : 2; /* times z */
+    work++;
+    for (size_t l = 0; l < frame->light_count; l++) {
+        if (!frame->lights[l].is_counted)
+            continue;
+        frame->lights[l].is_counted = false;
+        work->instance = SHADING_WORK_SHARED + 1 + (uint32_t)l;
+        execution_counts_add_operations(&frame->lights[l].counts, work++->operations);
+    }
+    for (size_t i = 0; i < instance_count; i++) {
+        work->instance = instances[i]->payload.id;
+        execution_counts_add_operations(&instances[i]->counts, work++->operations);
+    }
+}
+
+static bool find_instances(struct shading_node *self, struct shading_frame *frame,
+                           const struct region_view *region, const struct id_range *ranges, size_t count,
+                           struct prepared_shader **instances, struct status *status) {
+    for (size_t r = 0; r < count; r++) {
+        if (!shading_frame_instance(frame, &self->shaders, ranges[r].id, &instances[r], status))
+            return false;
+        if ((uint32_t)instances[r]->module->material_count > region->head.slots)
+            return status_fail(status, STATUS_INVALID, "samples of instance %u carry too few parameters",
+                               ranges[r].id);
+    }
+    return true;
+}
+
+static bool shade_region(struct shading_node *self, struct message *message,
+                         const struct wire_header *header, struct node_outputs *outputs,
+                         struct status *status) {
+    struct shading_frame *frame = frame_of(self, header->frame);
+    struct region_view region;
+    if (header->region >= frame->grid.count)
+        return status_fail(status, STATUS_INVALID, "there is no such region");
+    if (!region_open(message->bytes, message->length, frame->grid.region_width * frame->grid.region_height,
+                     &region, status))
+        return false;
+    prepare_scratch(self, frame, header->region);
+    struct id_range *ranges;
+    const size_t count = sort_samples(self, &region, &ranges);
+    struct prepared_shader **instances = memory_get(count, sizeof *instances);
+    const bool ok = find_instances(self, frame, &region, ranges, count, instances, status);
+    if (ok) {
+        const uint32_t lights = begin_lights(frame, instances, count);
+        uint64_t map_floats = 0;
+        for (size_t r = 0; r < count; r++)
+            map_floats += (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_count;
+        struct colour_draft draft =
+            colour_draft_create(&region, map_floats, 1 + lights + (uint32_t)count);
+        for (size_t r = 0; r < count; r++)
+            shade_instance(self, frame, &region, instances[r], self->order + ranges[r].first,
+                           ranges[r].count, &draft, outputs);
+        collect_work(frame, instances, count, draft.work);
+        node_send(outputs, (struct node_address){NODE_FRAMEBUFFER, 0},
+                  colour_seal(&draft, header->frame, header->region,
+                              node_address_pack(self->node.address)));
+    }
+    free(instances);
+    free(ranges);
+    return ok;
+}
+
+static bool begin_frame(struct shading_node *self, const struct node_event *event, struct status *status) {
+    struct shading_frame *frame = frame_of(self, event->header.frame);
+    struct shading_frame *retired = &self->retired[event->header.frame % SHADING_FRAMES];
+    if (!self->is_configured)
+        return status_fail(status, STATUS_INTERNAL, "frame %u begins before the configuration",
+                           event->header.frame);
+    shading_frame_finish(retired);
+    *retired = *frame;
+    *frame = (struct shading_frame){.is_begun = true, .index = event->header.frame};
+    if (!frame_payload_decode(event->message, &frame->frame, status))
+        return false;
+    frame->frame_message = message_hold(event->message);
+    frame->grid = region_grid_make(&frame->frame, &self->configuration.machine);
+    return true;
+}
+
+static bool end_frame(struct shading_node *self, const struct node_event *event, struct status *status) {
+    struct shading_frame *frame = frame_of(self, event->header.frame);
+    struct shading_frame *retired = &self->retired[event->header.frame % SHADING_FRAMES];
+    if (!frame->is_begun || frame->index != event->header.frame)
+        return status_fail(status, STATUS_INTERNAL, "frame %u ends before it begins",
+                           event->header.frame);
+    const size_t kept = shading_frame_inherit(frame, retired);
+    shading_frame_finish(retired);
+    frame->is_complete = true;
+    trace_line(self->node.trace, "frame %u received: %zu instances, %zu lights, %zu kept ready",
+               frame->index, frame->instance_count, frame->light_count, kept);
+    return true;
+}
+
+static void queue_push(struct shading_node *self, const struct node_event *event) {
+    if (self->queue_first) {
+        memmove(self->queue, self->queue + self->queue_first, self->queue_count * sizeof *self->queue);
+        self->queue_first = 0;
+    }
+    self->queue =
+        memory_grow(self->queue, &self->queue_capacity, self->queue_count + 1, sizeof *self->queue);
+    self->queue[self->queue_count++] =
+        (struct pending_region){message_hold(event->message), event->header};
+}
+
+static bool handle_message(struct shading_node *self, const struct node_event *event,
+                           struct status *status) {
+    switch (event->header.kind) {
+    case WIRE_CONFIGURATION:
+        self->is_configured = configuration_decode(event->message, &self->configuration, status);
+        return self->is_configured;
+    case WIRE_SHADER:
+        return shader_table_announce(&self->shaders, event->message, status);
+    case WIRE_FRAME_BEGIN:
+        return begin_frame(self, event, status);
+    case WIRE_INSTANCE:
+    case WIRE_LIGHT:
+        return shading_frame_add(frame_of(self, event->header.frame), event->message,
+                                 event->header.kind, status);
+    case WIRE_FRAME_END:
+        return end_frame(self, event, status);
+    case WIRE_REGION:
+        queue_push(self, event);
+        return true;
+    case WIRE_QUIT:
+        self->node.is_finished = true;
+        return true;
+    default:
+        return status_fail(status, STATUS_INVALID, "a shading node was sent a %s message",
+                           wire_kind_name(event->header.kind));
+    }
+}
+
+static bool advance(struct shading_node *self, struct node_outputs *outputs, struct status *status) {
+    const struct pending_region pending = self->queue[self->queue_first++];
+    if (!--self->queue_count)
+        self->queue_first = 0;
+    self->node.frame = pending.header.frame;
+    self->node.region = pending.header.region;
+    bool ok = shade_region(self, pending.message, &pending.header, outputs, status);
+    if (!ok)
+        status_prefix(status, "frame %u, region %u", pending.header.frame, pending.header.region);
+    message_release(pending.message);
+    return ok;
+}
+
+static bool shading_node_step(struct node *node, const struct node_event *event,
+                              struct node_outputs *outputs, struct status *status) {
+    struct shading_node *self = (struct shading_node *)node;
+    bool ok = true;
+    if (event->kind == NODE_MESSAGE)
+        ok = handle_message(self, event, status);
+    else if (event->kind == NODE_WORK && node->has_work)
+        ok = advance(self, outputs, status);
+    node->has_work = false;
+    if (ok && self->queue_count) {
+        const uint32_t frame = self->queue[self->queue_first].header.frame;
+        node->has_work = frame_of(self, frame)->is_complete && frame_of(self, frame)->index == frame;
+    }
+    return ok;
+}
+
+static void shading_node_describe(const struct node *node, char *text, size_t size) {
+    const struct shading_node *self = (const struct shading_node *)node;
+    if (!self->is_configured)
+        snprintf(text, size, "waits for the host's configuration");
+    else if (node->has_work)
+        snprintf(text, size, "works on frame %u, region %u", node->frame, node->region);
+    else if (self->queue_count)
+        snprintf(text, size, "waits for the host to end frame %u",
+                 self->queue[self->queue_first].header.frame);
+    else
+        snprintf(text, size, "waits for regions from rendering node %u (last was frame %u, region %u)",
+                 self->configuration.rendering_nodes - 1, node->frame, node->region);
+}
+
+static void shading_node_destroy(struct node *node) {
+    struct shading_node *self = (struct shading_node *)node;
+    for (int i = 0; i < SHADING_FRAMES; i++) {
+        shading_frame_finish(&self->frames[i]);
+        shading_frame_finish(&self->retired[i]);
+    }
+    shader_table_finish(&self->shaders);
+    for (size_t i = 0; i < self->queue_count; i++)
+        message_release(self->queue[self->queue_first + i].message);
+    free(self->queue);
+    free(self->batch.memory);
+    free(self->batch.material);
+    free(self->batch.light_scratch);
+    free(self->order);
+    free(self->location);
+    free(self->screen_x);
+    free(self->screen_y);
+    free(self);
+}
+
+bool shading_node_create(uint32_t index, const struct node_services *services, struct trace *trace,
+                         struct node **node, struct status *status) {
+    static const struct node_type type = {shading_node_step, shading_node_describe, shading_node_destroy};
+    struct shading_node *self = memory_get(1, sizeof *self);
+    self->node = (struct node){.type = &type, .address = {NODE_SHADING, index}, .trace = trace};
+    self->services = services;
+    self->shaders.services = services;
+    *node = &self->node;
+    return true;
+}

@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/visibility.h"
+
+#include "nodes/triangle_setup.h"
+
+#include <embree3/rtcore.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Embree decides which triangles a ray may meet; depth and the choice among them are ours (triangle_setup.h),
+ * with ties to the lower primitive number. So that no candidate near the best one is culled by Embree's own,
+ * less exact, distance, a ray is kept alive this much beyond the best depth found so far. */
+#define VISIBILITY_MARGIN (1.0f / 256)
+
+struct visibility_device {
+    RTCDevice device;
+};
+
+struct triangle_source {
+    uint32_t chunk, triangle; /* within the chunk */
+};
+
+struct visibility {
+    struct frame_payload frame;
+    struct region_bins bins;
+    const struct chunk_payload *chunks;
+    size_t triangle_count;
+    struct triangle_setup *setups;
+    struct triangle_source *sources;
+    uint32_t *primitives; /* primitive numbers */
+    RTCScene scene;
+    /* scratch for one region, by sample index */
+    float *depth;
+    uint32_t *triangle; /* UINT32_MAX: nothing there */
+    float *barycentric[3]; /* by covered sample */
+    float *screen_x, *screen_y;
+    uint32_t nan_depths;
+};
+
+/* One packet of rays, as the filter sees it. */
+struct packet {
+    struct RTCIntersectContext context; /* first: Embree hands it to the filter */
+    struct visibility *visibility;
+    float x[16], y[16];
+    float depth[16];
+    uint32_t triangle[16];
+};
+
+bool visibility_device_create(struct visibility_device **device, struct status *status) {
+    *device = memory_get(1, sizeof **device);
+    (*device)->device = rtcNewDevice("threads=1,set_affinity=0");
+    if ((*device)->device)
+        return true;
+    free(*device);
+    *device = NULL;
+    return status_fail(status, STATUS_INTERNAL, "Embree gave no device (error %d)",
+                       (int)rtcGetDeviceError(NULL));
+}
+
+void visibility_device_destroy(struct visibility_device *device) {
+    if (!device)
+        return;
+    rtcReleaseDevice(device->device);
+    free(device);
+}
+
+/* Called for every hit Embree finds; N lanes as structure of arrays (the C API has no accessors for it). */
+static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
+    enum { RAY_TFAR = 8, RAY_ID = 10, HIT_PRIMITIVE = 5 };
+    struct packet *packet = (struct packet *)arguments->context;
+    struct visibility *visibility = packet->visibility;
+    const unsigned lanes = arguments->N;
+    float *tfar = (float *)arguments->ray + RAY_TFAR * lanes;
+    const uint32_t *id = (const uint32_t *)arguments->ray + RAY_ID * lanes;
+    const uint32_t *hit_triangle = (const uint32_t *)arguments->hit + HIT_PRIMITIVE * lanes;
+    const double near_plane = visibility->frame.near_plane, far_plane = visibility->frame.far_plane;
+    for (unsigned i = 0; i < lanes; i++) {
+        if (!arguments->valid[i])
+            continue;
+        const uint32_t lane = id[i], triangle = hit_triangle[i];
+        const float depth =
+            triangle_setup_depth(&visibility->setups[triangle], packet->x[lane], packet->y[lane]);
+        if (!(depth >= near_plane && depth <= far_plane)) {
+            visibility->nan_depths += depth != depth;
+            arguments->valid[i] = 0;
+            continue;
+        }
+        const float best = packet->depth[lane];
+        if (depth < best || (depth == best && visibility->primitives[triangle] <
+                                                  visibility->primitives[packet->triangle[lane]])) {
+            packet->depth[lane] = depth;
+            packet->triangle[lane] = triangle;
+        }
+        tfar[i] = packet->depth[lane] + fabsf(packet->depth[lane]) * VISIBILITY_MARGIN;
+    }
+}
+
+static bool build_scene(struct visibility *visibility, RTCDevice device, const float *vertices,
+                        size_t vertex_count, const uint32_t *indices, struct status *status) {
+    visibility->scene = rtcNewScene(device);
+    rtcSetSceneFlags(visibility->scene, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *v = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                       3 * sizeof(float), vertex_count);
+    uint32_t *t = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                          3 * sizeof(uint32_t), visibility->triangle_count);
+    if (v && t) {
+        memcpy(v, vertices, vertex_count * 3 * sizeof(float));
+        memcpy(t, indices, visibility->triangle_count * 3 * sizeof(uint32_t));
+        rtcSetGeometryIntersectFilterFunction(geometry, consider_hit);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(visibility->scene, geometry);
+    }
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(visibility->scene);
+    enum RTCError error = rtcGetDeviceError(device);
+    if (!v || !t || error != RTC_ERROR_NONE)
+        return status_fail(status, STATUS_LIMIT, "Embree could not build a scene of %zu triangles (error %d)",
+                           visibility->triangle_count, (int)error);
+    return true;
+}
+
+/* Collects the triangles that can be seen: set up, binned, and given to Embree under their index here. */
+static size_t collect_triangles(struct visibility *visibility, size_t chunk_count, float *vertices,
+                                uint32_t *indices) {
+    size_t vertex_count = 0, count = 0;
+    for (size_t c = 0; c < chunk_count; c++) {
+        const struct chunk_payload *chunk = &visibility->chunks[c];
+        if (chunk->vertex_count)
+            memcpy(vertices + vertex_count * 3, chunk->positions, chunk->vertex_count * 3 * sizeof(float));
+        for (uint32_t t = 0; t < chunk->triangle_count; t++) {
+            const uint16_t *corner = chunk->triangles + 3 * t;
+            const float *v[3];
+            for (int i = 0; i < 3; i++)
+                v[i] = chunk->positions + 3 * corner[i];
+            if (!triangle_setup_make(v[0], v[1], v[2], visibility->frame.is_perspective,
+                                     &visibility->setups[count]))
+                continue;
+            visibility->sources[count] = (struct triangle_source){(uint32_t)c, t};
+            visibility->primitives[count] = chunk->first_primitive + t;
+            for (int i = 0; i < 3; i++)
+                indices[count * 3 + i] = (uint32_t)vertex_count + corner[i];
+            region_bins_add(&visibility->bins, &visibility->frame, v[0], v[1], v[2]);
+            count++;
+        }
+        vertex_count += chunk->vertex_count;
+    }
+    visibility->triangle_count = count;
+    return vertex_count;
+}
+
+static void create_scratch(struct visibility *visibility) {
+    const struct region_grid *grid = &visibility->bins.grid;
+    const size_t samples = (size_t)grid->region_width * grid->region_height;
+    visibility->depth = memory_get(samples, sizeof(float));
+    visibility->triangle = memory_get(samples, sizeof(uint32_t));
+    for (int i = 0; i < 3; i++)
+        visibility->barycentric[i] = memory_get(samples, sizeof(float));
+    visibility->screen_x = memory_get(grid->region_width, sizeof(float));
+    visibility->screen_y = memory_get(grid->region_height, sizeof(float));
+}
+
+bool visibility_create(struct visibility_device *device, const struct frame_payload *frame,
+                       const struct region_grid *grid, const struct chunk_payload *chunks,
+                       size_t chunk_count, struct visibility **out, struct status *status) {
+    struct visibility *visibility = memory_get(1, sizeof *visibility);
+    visibility->frame = *frame;
+    visibility->chunks = chunks;
+    region_bins_init(&visibility->bins, grid);
+    size_t vertices = 0, triangles = 0;
+    for (size_t c = 0; c < chunk_count; c++) {
+        vertices += chunks[c].vertex_count;
+        triangles += chunks[c].triangle_count;
+    }
+    bool ok = true;
+    if (triangles) {
+        visibility->setups = memory_get(triangles, sizeof *visibility->setups);
+        visibility->sources = memory_get(triangles, sizeof *visibility->sources);
+        visibility->primitives = memory_get(triangles, sizeof *visibility->primitives);
+        float *positions = memory_get(vertices * 3, sizeof *positions);
+        uint32_t *indices = memory_get(triangles * 3, sizeof *indices);
+        collect_triangles(visibility, chunk_count, positions, indices);
+        if (visibility->triangle_count) {
+            ok = build_scene(visibility, device->device, positions, vertices, indices, status);
+            create_scratch(visibility);
+        }
+        free(positions);
+        free(indices);
+    }
+    if (!ok) {
+        visibility_destroy(visibility);
+        return false;
+    }
+    *out = visibility;
+    return true;
+}
+
+void visibility_destroy(struct visibility *visibility) {
+    if (!visibility)
+        return;
+    if (visibility->scene)
+        rtcReleaseScene(visibility->scene);
+    region_bins_finish(&visibility->bins);
+    free(visibility->setups);
+    free(visibility->sources);
+    free(visibility->primitives);
+    free(visibility->depth);
+    free(visibility->triangle);
+    for (int i = 0; i < 3; i++)
+        free(visibility->barycentric[i]);
+    free(visibility->screen_x);
+    free(visibility->screen_y);
+    free(visibility);
+}
+
+const struct region_bins *visibility_bins(const struct visibility *visibility) {
+    return &visibility->bins;
+}
+
+/* Casts the 16 rays of one tile whose first sample is (x0, y0) in the region, `wide` by `high` of them inside
+ * the picture. */
+static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, uint32_t wide,
+                      uint32_t high) {
+    const uint32_t region_width = visibility->bins.grid.region_width;
+    struct packet packet;
+    struct RTCRayHit16 rays;
+    int valid[16] __attribute__((aligned(64)));
+    rtcInitIntersectContext(&packet.context);
+    packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    packet.visibility = visibility;
+    const bool is_perspective = visibility->frame.is_perspective;
+    for (unsigned lane = 0; lane < 16; lane++) {
+        const unsigned dx = lane % TILE_SAMPLES, dy = lane / TILE_SAMPLES;
+        valid[lane] = dx < wide && dy < high ? -1 : 0;
+        const float x = visibility->screen_x[x0 + (dx < wide ? dx : 0)],
+                    y = visibility->screen_y[y0 + (dy < high ? dy : 0)];
+        packet.x[lane] = x;
+        packet.y[lane] = y;
+        packet.depth[lane] = INFINITY;
+        packet.triangle[lane] = 0;
+        rays.ray.org_x[lane] = is_perspective ? 0 : x;
+        rays.ray.org_y[lane] = is_perspective ? 0 : y;
+        rays.ray.org_z[lane] = 0;
+        rays.ray.dir_x[lane] = is_perspective ? x : 0;
+        rays.ray.dir_y[lane] = is_perspective ? y : 0;
+        rays.ray.dir_z[lane] = 1;
+        rays.ray.tnear[lane] = 0;
+        rays.ray.tfar[lane] = INFINITY;
+        rays.ray.time[lane] = 0;
+        rays.ray.mask[lane] = UINT32_MAX;
+        rays.ray.id[lane] = lane;
+        rays.ray.flags[lane] = 0;
+        rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+        rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect16(valid, visibility->scene, &packet.context, &rays);
+    for (unsigned dy = 0; dy < high; dy++)
+        for (unsigned dx = 0; dx < wide; dx++) {
+            const unsigned lane = dy * TILE_SAMPLES + dx;
+            if (packet.depth[lane] == INFINITY)
+                continue;
+            const uint32_t sample = (y0 + dy) * region_width + x0 + dx;
+            visibility->depth[sample] = packet.depth[lane];
+            visibility->triangle[sample] = packet.triangle[lane];
+        }
+}
+
+static void cast_region(struct visibility *visibility, uint32_t region) {
+    const struct region_bins *bins = &visibility->bins;
+    const struct region_grid *grid = &bins->grid;
+    uint32_t origin_x, origin_y;
+    region_grid_origin(grid, region, &origin_x, &origin_y);
+    const uint32_t wide = grid->samples_wide - origin_x < grid->region_width ? grid->samples_wide - origin_x
+                                                                               : grid->region_width,
+                   high = grid->samples_high - origin_y < grid->region_height
+                              ? grid->samples_high - origin_y
+                              : grid->region_height;
+    for (uint32_t x = 0; x < wide; x++)
+        visibility->screen_x[x] = region_grid_screen_x(grid, &visibility->frame, origin_x + x);
+    for (uint32_t y = 0; y < high; y++)
+        visibility->screen_y[y] = region_grid_screen_y(grid, &visibility->frame, origin_y + y);
+    memset(visibility->triangle, 0xff,
+           (size_t)grid->region_width * grid->region_height * sizeof *visibility->triangle);
+    for (uint32_t row = 0; row * TILE_SAMPLES < high; row++)
+        for (uint32_t column = 0; column * TILE_SAMPLES < wide; column++) {
+            if (!region_bin_has_tile(bins, bins->bins[region], column, row))
+                continue;
+            const uint32_t x0 = column * TILE_SAMPLES, y0 = row * TILE_SAMPLES;
+            cast_tile(visibility, x0, y0, wide - x0 < TILE_SAMPLES ? wide - x0 : TILE_SAMPLES,
+                      high - y0 < TILE_SAMPLES ? high - y0 : TILE_SAMPLES);
+        }
+}
+
+/* Barycentric coordinates of `count` consecutive covered samples of one triangle in one row. */
+static void interpolate_weights(const struct visibility *visibility, uint32_t triangle, uint32_t column,
+                                uint32_t row, uint32_t first, uint32_t count) {
+    const struct triangle_setup *setup = &visibility->setups[triangle];
+    const float *restrict x = visibility->screen_x + column;
+    const double y = visibility->screen_y[row];
+    float *restrict b0 = visibility->barycentric[0] + first;
+    float *restrict b1 = visibility->barycentric[1] + first;
+    float *restrict b2 = visibility->barycentric[2] + first;
+    const double(*w)[3] = setup->weight;
+    const double c0 = w[0][1] * y + w[0][2], c1 = w[1][1] * y + w[1][2], c2 = w[2][1] * y + w[2][2];
+    for (uint32_t k = 0; k < count; k++) {
+        const double w0 = w[0][0] * x[k] + c0, w1 = w[1][0] * x[k] + c1, w2 = w[2][0] * x[k] + c2;
+        const double scale = 1 / (w0 + w1 + w2);
+        b0[k] = (float)(w0 * scale);
+        b1[k] = (float)(w1 * scale);
+        b2[k] = (float)(w2 * scale);
+    }
+}
+
+/* Parameters of `count` covered samples from `first` on that see one triangle, into the planes. */
+static void interpolate_material(const struct visibility *visibility, uint32_t triangle,
+                                 struct region_draft *draft, uint32_t first, uint32_t count) {
+    const struct triangle_source source = visibility->sources[triangle];
+    const struct chunk_payload *chunk = &visibility->chunks[source.chunk];
+    const uint16_t *corner = chunk->triangles + 3 * source.triangle;
+    const uint32_t slots = chunk->material_count;
+    const float *m0 = chunk->material + (size_t)corner[0] * slots;
+    const float *m1 = chunk->material + (size_t)corner[1] * slots;
+    const float *m2 = chunk->material + (size_t)corner[2] * slots;
+    const float *restrict b0 = visibility->barycentric[0] + first;
+    const float *restrict b1 = visibility->barycentric[1] + first;
+    const float *restrict b2 = visibility->barycentric[2] + first;
+    for (uint32_t p = 0; p < draft->head.slots; p++) {
+        float *restrict out = draft->slots + (size_t)p * draft->head.sample_count + first;
+        if (p >= slots) {
+            memset(out, 0, count * sizeof *out);
+            continue;
+        }
+        const float a = m0[p], b = m1[p], c = m2[p];
+        for (uint32_t k = 0; k < count; k++)
+            out[k] = b0[k] * a + b1[k] * b + b2[k] * c;
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        draft->primitive[first + k] = visibility->primitives[triangle];
+        draft->shader[first + k] = (uint16_t)chunk->shader_id;
+    }
+}
+
+/* A stretch of covered samples in one row that see the same triangle. */
+struct span {
+    uint32_t triangle, sample, count;
+};
+
+static struct span next_span(const struct visibility *visibility, uint32_t from) {
+    const uint32_t width = visibility->bins.grid.region_width,
+                   samples = width * visibility->bins.grid.region_height;
+    while (from < samples && visibility->triangle[from] == UINT32_MAX)
+        from++;
+    struct span span = {from < samples ? visibility->triangle[from] : 0, from, 0};
+    const uint32_t row_end = from < samples ? (from / width + 1) * width : samples;
+    while (from + span.count < row_end && visibility->triangle[from + span.count] == span.triangle)
+        span.count++;
+    return span;
+}
+
+static struct region_head measure_region(const struct visibility *visibility) {
+    struct region_head head = {.work_count = 1, .nan_depths = visibility->nan_depths};
+    uint32_t end = UINT32_MAX;
+    for (struct span s = next_span(visibility, 0); s.count; s = next_span(visibility, s.sample + s.count)) {
+        const uint32_t slots = visibility->chunks[visibility->sources[s.triangle].chunk].material_count;
+        head.slots = slots > head.slots ? slots : head.slots;
+        head.sample_count += s.count;
+        head.run_count += s.sample != end;
+        end = s.sample + s.count;
+    }
+    head.longest_map = head.slots;
+    return head;
+}
+
+struct message *visibility_render(struct visibility *visibility, uint32_t frame, uint32_t region,
+                                  struct node_address node) {
+    const uint32_t width = visibility->bins.grid.region_width;
+    visibility->nan_depths = 0;
+    cast_region(visibility, region);
+    struct region_draft draft = region_draft_create(measure_region(visibility));
+    draft.work[0] = (struct region_work){node.index, visibility->bins.bins[region]->triangles};
+    uint32_t at = 0, run = 0;
+    for (struct span s = next_span(visibility, 0); s.count; s = next_span(visibility, s.sample + s.count)) {
+        interpolate_weights(visibility, s.triangle, s.sample % width, s.sample / width, at, s.count);
+        interpolate_material(visibility, s.triangle, &draft, at, s.count);
+        memcpy(draft.depth + at, visibility->depth + s.sample, s.count * sizeof(float));
+        if (run && draft.runs[run - 1].first + draft.runs[run - 1].count == s.sample)
+            draft.runs[run - 1].count += s.count;
+        else
+            draft.runs[run++] = (struct region_run){s.sample, s.count};
+        at += s.count;
+    }
+    return region_seal(&draft, frame, region, node_address_pack(node));
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/ir.h"
+
+/* Lays out the transfer map and the bound values: parameters in order of declaration, predefined variables
+ * after, each whole or not at all. Then marks what else the program needs from outside. */
+
+static void mark_parameter(struct ir_node *node, void *context) {
+    struct ir_program *ir = context;
+    if (node->kind == NODE_ILLUMINANCE)
+        ir->uses_illuminance = true;
+    if (node->kind != NODE_INSTRUCTION)
+        return;
+    if (node->parameter)
+        node->parameter->is_live = true;
+    if (node->operation == IR_AMBIENT)
+        ir->uses_ambient = true;
+    if (node->operation != IR_FROM_CAMERA && node->operation != IR_TO_CAMERA)
+        return;
+    if (node->operands[0].kind == OPERAND_STRING)
+        ir->spaces |= 1u << node->operands[0].identity;
+    else
+        ir->spaces |= (1u << SHADER_SPACE_COUNT) - 1;
+}
+
+void pass_bind_parameters(struct ir_program *ir) {
+    struct shader_program *program = ir->c->program;
+    ir->uses_illuminance = ir->uses_ambient = false;
+    ir->spaces = 0;
+    ir_each_node(ir->top, mark_parameter, ir);
+    for (int i = 0; i < program->parameter_count; i++) {
+        struct shader_parameter *parameter = &program->parameters[i];
+        if (!parameter->is_live) {
+            parameter->is_material = false;
+            continue;
+        }
+        int *total = parameter->is_material ? &program->material_count : &program->bound_count;
+        int *offset = parameter->is_material ? &parameter->map_offset : &parameter->bound_offset;
+        *offset = *total;
+        *total += parameter->components;
+    }
+}

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/builtins.h"
+
+#include <string.h>
+
+const struct builtin builtins[BUILTIN_COUNT] = {
+#define BUILTIN_ENTRY(id, name, overloads) {BUILTIN_##id, name, overloads},
+    BUILTINS(BUILTIN_ENTRY)
+#undef BUILTIN_ENTRY
+};
+
+const struct ast_global globals[] = {
+    {"N", TYPE_NORMAL, GLOBAL_MATERIAL, GLOBAL_AXIS},
+    {"Ng", TYPE_NORMAL, GLOBAL_MATERIAL, GLOBAL_AXIS},
+    {"s", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
+    {"t", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
+    {"u", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
+    {"v", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
+    {"dPdu", TYPE_VECTOR, GLOBAL_MATERIAL, GLOBAL_ZERO},
+    {"dPdv", TYPE_VECTOR, GLOBAL_MATERIAL, GLOBAL_ZERO},
+    {"Cs", TYPE_COLOR, GLOBAL_BOUND, GLOBAL_ABSENT},
+    {"Os", TYPE_COLOR, GLOBAL_BOUND, GLOBAL_ABSENT},
+    {"P", TYPE_POINT, GLOBAL_POSITION, GLOBAL_ORIGIN},
+    {"Ps", TYPE_POINT, GLOBAL_POSITION, GLOBAL_POSITION},
+    {"I", TYPE_VECTOR, GLOBAL_INCIDENT, GLOBAL_ABSENT},
+    {"E", TYPE_POINT, GLOBAL_ZERO, GLOBAL_ZERO},
+    {"L", TYPE_VECTOR, GLOBAL_LIGHT, GLOBAL_RESULT},
+    {"Cl", TYPE_COLOR, GLOBAL_LIGHT, GLOBAL_RESULT},
+    {"Ol", TYPE_COLOR, GLOBAL_ONE, GLOBAL_ONE},
+    {"Ci", TYPE_COLOR, GLOBAL_RESULT, GLOBAL_ABSENT},
+    {"Oi", TYPE_COLOR, GLOBAL_RESULT, GLOBAL_ABSENT},
+    {"du", TYPE_FLOAT, GLOBAL_ABSENT_DERIVATIVE, GLOBAL_ZERO},
+    {"dv", TYPE_FLOAT, GLOBAL_ABSENT_DERIVATIVE, GLOBAL_ZERO},
+    {"time", TYPE_FLOAT, GLOBAL_ZERO, GLOBAL_ZERO},
+    {"ncomps", TYPE_FLOAT, GLOBAL_THREE, GLOBAL_THREE},
+};
+const int global_count = sizeof globals / sizeof *globals;
+
+static const struct {
+    const char *name, *reason;
+} missing[] = {
+    {"area", "it needs derivatives"},
+    {"Du", "it needs derivatives"},
+    {"Dv", "it needs derivatives"},
+    {"Deriv", "it needs derivatives"},
+    {"calculatenormal", "it needs derivatives"},
+    {"texture", "image textures are not there yet"},
+    {"environment", "image textures are not there yet"},
+    {"shadow", "image textures are not there yet"},
+    {"bump", "image textures are not there yet"},
+    {"textureinfo", "image textures are not there yet"},
+    {"trace", "there is no ray tracing"},
+    {"cellnoise", "not there yet"},
+    {"pnoise", "not there yet"},
+    {"spline", "not there yet"},
+    {"random", "it would not be the same on every run"},
+    {"depth", "not there yet"},
+    {"opposite", "there are no message functions"},
+    {"lightsource", "there are no message functions"},
+    {"surface", "there are no message functions"},
+    {"displacement", "there are no message functions"},
+    {"atmosphere", "there are no message functions"},
+    {"incident", "there are no message functions"},
+    {"attribute", "there are no message functions"},
+    {"option", "there are no message functions"},
+    {"rendererinfo", "there are no message functions"},
+    {"format", "strings are only compared"},
+    {"concat", "strings are only compared"},
+    {"match", "strings are only compared"},
+    {"shadername", "strings are only compared"},
+    {"determinant", "matrices are not supported yet"},
+    {"rotate", "not there yet"},
+    {"translate", "matrices are not supported yet"},
+    {"scale", "matrices are not supported yet"},
+    {"ptlined", "not there yet"},
+};
+
+const struct builtin *builtin_find(const char *name) {
+    for (int i = 0; i < BUILTIN_COUNT; i++)
+        if (!strcmp(builtins[i].name, name))
+            return &builtins[i];
+    return NULL;
+}
+
+const char *builtin_missing(const char *name) {
+    for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
+        if (!strcmp(missing[i].name, name))
+            return missing[i].reason;
+    return NULL;
+}
+
+const struct ast_global *global_find(const char *name) {
+    for (int i = 0; i < global_count; i++)
+        if (!strcmp(globals[i].name, name))
+            return &globals[i];
+    return NULL;
+}
+
+int ast_conversion_cost(enum ast_type from, enum ast_type to) {
+    if (from == to || from == TYPE_ERROR || to == TYPE_ERROR)
+        return 0;
+    if (from == TYPE_TRIPLE && ast_type_is_triple(to))
+        return 1;
+    if (to == TYPE_TRIPLE)
+        return ast_type_is_triple(from) ? 1 : -1;
+    if (ast_type_is_geometric(from) && ast_type_is_geometric(to))
+        return 1;
+    if (from == TYPE_FLOAT && ast_type_is_triple(to))
+        return 3;
+    if ((from == TYPE_FLOAT && to == TYPE_BOOL) || (from == TYPE_BOOL && to == TYPE_FLOAT))
+        return 2;
+    return -1;
+}
+
+static enum ast_type letter_type(char letter) {
+    switch (letter) {
+    case 'f':
+        return TYPE_FLOAT;
+    case 'c':
+        return TYPE_COLOR;
+    case 'p':
+        return TYPE_POINT;
+    case 'v':
+        return TYPE_VECTOR;
+    case 'n':
+        return TYPE_NORMAL;
+    case 's':
+        return TYPE_STRING;
+    case 'b':
+        return TYPE_BOOL;
+    case 't':
+        return TYPE_TRIPLE;
+    case '0':
+        return TYPE_VOID;
+    }
+    return TYPE_ERROR; /* '.': takes anything */
+}
+
+/* Cost of calling this one overload, or -1; *next is where the following overload starts. */
+static int overload_cost(const char *text, const char **next, const enum ast_type *arguments, int count,
+                         enum ast_type *result, enum ast_type *parameters, uint32_t *written_mask) {
+    int cost = 0, at = 0;
+    *result = letter_type(text[0]);
+    *written_mask = 0;
+    text += 2;
+    while (*text && *text != ' ') {
+        bool is_written = *text == '&';
+        text += is_written;
+        enum ast_type type = letter_type(*text++);
+        bool repeats = *text == '*';
+        text += repeats;
+        for (int uses = 0; uses == 0 || (repeats && at < count); uses++) {
+            int one = at < count ? ast_conversion_cost(arguments[at], type) : repeats && uses ? 0 : -1;
+            if (repeats && uses == 0 && at >= count) {
+                one = 0; /* `x*` may also be absent */
+                break;
+            }
+            if (cost >= 0)
+                cost = one < 0 ? -1 : cost + one;
+            if (at < count) {
+                parameters[at] = type;
+                *written_mask |= (uint32_t)is_written << at;
+            }
+            at++;
+        }
+    }
+    *next = *text ? text + 1 : text;
+    return at == count ? cost : -1;
+}
+
+bool builtin_resolve(const struct builtin *builtin, const enum ast_type *arguments, int count,
+                     enum ast_type wanted, enum ast_type *result, enum ast_type *parameters,
+                     uint32_t *written_mask) {
+    int best = -1;
+    for (const char *text = builtin->overloads, *next; *text; text = next) {
+        enum ast_type one_result, one_parameters[BUILTIN_ARGUMENTS_MAX];
+        uint32_t one_mask;
+        int cost = overload_cost(text, &next, arguments, count, &one_result, one_parameters, &one_mask);
+        if (cost < 0)
+            continue;
+        if (wanted != TYPE_ERROR && one_result != wanted)
+            cost += ast_type_is_geometric(wanted) && ast_type_is_geometric(one_result) ? 50 : 100;
+        if (best >= 0 && cost >= best)
+            continue;
+        best = cost;
+        *result = one_result;
+        *written_mask = one_mask;
+        memcpy(parameters, one_parameters, (size_t)count * sizeof *parameters);
+    }
+    return best >= 0;
+}
+
+const char *ast_type_name(enum ast_type type) {
+    switch (type) {
+    case TYPE_TRIPLE:
+        return "(x, y, z)";
+    case TYPE_BOOL:
+        return "condition";
+    case TYPE_VOID:
+        return "nothing";
+    case TYPE_ERROR:
+        return "unknown";
+    default:
+        return shader_type_name((enum shader_type)type);
+    }
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef BUILTINS_H
+#define BUILTINS_H
+
+#include "shaders/compiler/ast.h"
+
+/* The functions that lowering knows by itself; the rest of the standard ones are RSL in prelude.c.
+ *
+ * X(ID, name, overloads). An overload is RESULT:ARGUMENTS, with f float, c color, p point, v vector, n normal,
+ * s string, b boolean, 0 nothing, t any triple, `.` any value; & before an argument that is written to; *
+ * after one that may repeat. The first overload that fits best is taken. */
+#define BUILTINS(X)                                                                                \
+    X(RADIANS, "radians", "f:f")                                                                   \
+    X(DEGREES, "degrees", "f:f")                                                                   \
+    X(SIN, "sin", "f:f")                                                                           \
+    X(COS, "cos", "f:f")                                                                           \
+    X(TAN, "tan", "f:f")                                                                           \
+    X(ASIN, "asin", "f:f")                                                                         \
+    X(ACOS, "acos", "f:f")                                                                         \
+    X(ATAN, "atan", "f:f f:ff")                                                                    \
+    X(POW, "pow", "f:ff")                                                                          \
+    X(EXP, "exp", "f:f")                                                                           \
+    X(SQRT, "sqrt", "f:f")                                                                         \
+    X(INVERSESQRT, "inversesqrt", "f:f")                                                           \
+    X(LOG, "log", "f:f f:ff")                                                                      \
+    X(MOD, "mod", "f:ff")                                                                          \
+    X(ABS, "abs", "f:f")                                                                           \
+    X(SIGN, "sign", "f:f")                                                                         \
+    X(MIN, "min", "f:ff* c:cc* p:pp* v:vv* n:nn*")                                                 \
+    X(MAX, "max", "f:ff* c:cc* p:pp* v:vv* n:nn*")                                                 \
+    X(CLAMP, "clamp", "f:fff c:ccc p:ppp v:vvv n:nnn")                                             \
+    X(MIX, "mix", "f:fff c:ccf p:ppf v:vvf n:nnf c:ccc")                                           \
+    X(FLOOR, "floor", "f:f")                                                                       \
+    X(CEIL, "ceil", "f:f")                                                                         \
+    X(ROUND, "round", "f:f")                                                                       \
+    X(STEP, "step", "f:ff")                                                                        \
+    X(NOISE, "noise", "f:f f:ff f:p c:f c:ff c:p p:f p:ff p:p v:f v:ff v:p")                       \
+    X(XCOMP, "xcomp", "f:t")                                                                       \
+    X(YCOMP, "ycomp", "f:t")                                                                       \
+    X(ZCOMP, "zcomp", "f:t")                                                                       \
+    X(COMP, "comp", "f:tf")                                                                        \
+    X(SETXCOMP, "setxcomp", "0:&tf")                                                               \
+    X(SETYCOMP, "setycomp", "0:&tf")                                                               \
+    X(SETZCOMP, "setzcomp", "0:&tf")                                                               \
+    X(SETCOMP, "setcomp", "0:&tff")                                                                \
+    X(LENGTH, "length", "f:v")                                                                     \
+    X(NORMALIZE, "normalize", "v:v n:n")                                                           \
+    X(DISTANCE, "distance", "f:pp")                                                                \
+    X(FACEFORWARD, "faceforward", "n:nv n:nvn v:vv v:vvv")                                         \
+    X(TRANSFORM, "transform", "p:sp p:ssp")                                                        \
+    X(VTRANSFORM, "vtransform", "v:sv v:ssv")                                                      \
+    X(NTRANSFORM, "ntransform", "n:sn n:ssn")                                                      \
+    X(CTRANSFORM, "ctransform", "c:sc c:ssc")                                                      \
+    X(AMBIENT, "ambient", "c:")                                                                    \
+    X(PRINTF, "printf", "0:s.*")
+
+enum builtin_id {
+#define BUILTIN_ENUM(id, name, overloads) BUILTIN_##id,
+    BUILTINS(BUILTIN_ENUM)
+#undef BUILTIN_ENUM
+        BUILTIN_COUNT
+};
+
+enum { BUILTIN_ARGUMENTS_MAX = 32 };
+
+struct builtin {
+    enum builtin_id id;
+    const char *name, *overloads;
+};
+extern const struct builtin builtins[BUILTIN_COUNT];
+
+const struct builtin *builtin_find(const char *name);
+/* A function of the language that this compiler leaves out: the reason to give, else NULL. */
+const char *builtin_missing(const char *name);
+/* Chooses an overload for arguments of these types; `wanted` is the result type the context would like
+ * (TYPE_ERROR: none). Returns false when none fits. parameters[i] is the type argument i is to be converted
+ * to, TYPE_TRIPLE: leave it; *written_mask has a bit per argument that is written to. */
+bool builtin_resolve(const struct builtin *builtin, const enum ast_type *arguments, int count,
+                     enum ast_type wanted, enum ast_type *result, enum ast_type *parameters,
+                     uint32_t *written_mask);
+
+/* How badly a value of type `from` fits where `to` is wanted: 0 is the same type, negative not at all. */
+int ast_conversion_cost(enum ast_type from, enum ast_type to);
+
+/* Where the value of a predefined variable comes from. */
+enum global_source {
+    GLOBAL_ABSENT,   /* not in this kind of shader */
+    GLOBAL_MATERIAL, /* interpolated over the primitive: in the transfer map */
+    GLOBAL_BOUND,    /* bound to the instance unless options say that it comes with the primitives */
+    GLOBAL_POSITION, /* rebuilt from depth */
+    GLOBAL_INCIDENT,
+    GLOBAL_ZERO,
+    GLOBAL_ONE,
+    GLOBAL_THREE,
+    GLOBAL_ORIGIN,   /* the origin of shader space */
+    GLOBAL_AXIS,     /* the z axis of shader space */
+    GLOBAL_RESULT,   /* starts at zero, what the shader is for */
+    GLOBAL_LIGHT,    /* set inside illuminance */
+    GLOBAL_ABSENT_DERIVATIVE,
+};
+
+struct ast_global {
+    const char *name;
+    enum ast_type type;
+    enum global_source surface, light;
+};
+
+/* In the order in which they follow the parameters in the transfer map. */
+extern const struct ast_global globals[];
+extern const int global_count;
+const struct ast_global *global_find(const char *name);
+
+#endif

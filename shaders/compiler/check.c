@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/check.h"
+
+#include "base/hash.h"
+
+#include <string.h>
+
+static unsigned bucket_of(const char *name) {
+    return (unsigned)(hash_string(name, 0) % SCOPE_BUCKETS);
+}
+
+void scope_enter(struct checker *k) {
+    k->level++;
+}
+
+void scope_leave(struct checker *k) {
+    while (k->newest && k->newest->level == k->level) {
+        k->buckets[bucket_of(k->newest->name)] = k->newest->below;
+        k->newest = k->newest->previous;
+    }
+    k->level--;
+}
+
+static struct scope_entry *add(struct checker *k, const char *name) {
+    struct scope_entry *entry = compilation_get(k->c, sizeof *entry);
+    struct scope_entry **bucket = &k->buckets[bucket_of(name)];
+    entry->name = name;
+    entry->level = k->level;
+    entry->below = *bucket;
+    entry->previous = k->newest;
+    *bucket = k->newest = entry;
+    return entry;
+}
+
+void scope_add_symbol(struct checker *k, struct ast_symbol *symbol) {
+    for (struct scope_entry *e = k->buckets[bucket_of(symbol->name)]; e && e->level == k->level; e = e->below)
+        if (e->symbol && !strcmp(e->name, symbol->name)) {
+            compile_error(k->c, &symbol->at, "'%.64s' is declared twice; the first time in line %d",
+                          symbol->name, e->symbol->at.line);
+            return;
+        }
+    add(k, symbol->name)->symbol = symbol;
+}
+
+void scope_add_function(struct checker *k, struct ast_function *function) {
+    for (struct scope_entry *e = k->buckets[bucket_of(function->name)]; e && e->level == k->level;
+         e = e->below)
+        if (e->function && !strcmp(e->name, function->name) && !e->function->is_prelude) {
+            compile_error(k->c, &function->at, "function '%.64s' is defined twice; the first time in line %d",
+                          function->name, e->function->at.line);
+            return;
+        }
+    add(k, function->name)->function = function;
+}
+
+struct ast_symbol *scope_find_symbol(struct checker *k, const char *name) {
+    for (struct scope_entry *e = k->buckets[bucket_of(name)]; e; e = e->below)
+        if (e->symbol && !strcmp(e->name, name))
+            return e->symbol;
+    const struct ast_global *global = global_find(name);
+    if (!global)
+        return NULL;
+    if ((k->kind == SHADER_KIND_SURFACE ? global->surface : global->light) == GLOBAL_ABSENT)
+        return NULL;
+    struct ast_symbol **slot = &k->global_symbols[global - globals];
+    if (!*slot) {
+        *slot = compilation_get(k->c, sizeof **slot);
+        (*slot)->name = global->name;
+        (*slot)->type = global->type;
+        (*slot)->global = global;
+    }
+    return *slot;
+}
+
+struct ast_function *scope_find_function(struct checker *k, const char *name) {
+    for (struct scope_entry *e = k->buckets[bucket_of(name)]; e; e = e->below)
+        if (e->function && !strcmp(e->name, name))
+            return e->function;
+    return NULL;
+}
+
+static void check_statement(struct checker *k, struct ast_statement *s);
+
+static void check_list(struct checker *k, struct ast_statement *list, struct ast_statement *owner) {
+    for (struct ast_statement *s = list; s; s = s->next) {
+        check_statement(k, s);
+        if (owner && s->exit_level > owner->exit_level)
+            owner->exit_level = s->exit_level;
+    }
+}
+
+static void check_scoped(struct checker *k, struct ast_statement *body, struct ast_statement *owner) {
+    if (!body)
+        return;
+    scope_enter(k);
+    check_statement(k, body);
+    scope_leave(k);
+    if (body->exit_level > owner->exit_level)
+        owner->exit_level = body->exit_level;
+}
+
+static void check_declaration(struct checker *k, struct ast_symbol *symbol) {
+    if (symbol->array_length < 0 && !symbol->is_formal) {
+        compile_error(k->c, &symbol->at, "array '%.64s' needs a length", symbol->name);
+        symbol->array_length = 1;
+    }
+    if (symbol->type == TYPE_STRING && symbol->storage == STORAGE_VARYING)
+        compile_error(k->c, &symbol->at, "strings are uniform");
+    if (symbol->array_length && symbol->type == TYPE_STRING && !symbol->is_formal)
+        compile_error(k->c, &symbol->at, "arrays of strings are not supported");
+    if (symbol->array_length > 0 && symbol->array_length * ast_type_width(symbol->type) > ARRAY_FLOATS_MAX)
+        compile_limit(k->c, &symbol->at, "an array holds at most %d floats", ARRAY_FLOATS_MAX);
+    if (symbol->initial && !symbol->array_length)
+        symbol->initial = check_as(k, symbol->initial, symbol->type);
+    for (struct ast_expression **e = &symbol->elements; *e; e = &(*e)->next) {
+        struct ast_expression *next = (*e)->next;
+        *e = check_as(k, *e, symbol->type);
+        (*e)->next = next;
+    }
+}
+
+static void check_loop(struct checker *k, struct ast_statement *s) {
+    if (s->initial)
+        s->initial = check_expression(k, s->initial, TYPE_ERROR);
+    if (s->expression)
+        s->expression = check_as(k, s->expression, TYPE_BOOL);
+    if (s->step)
+        s->step = check_expression(k, s->step, TYPE_ERROR);
+    k->loop_level++;
+    check_scoped(k, s->body, s);
+    k->loop_level--;
+    if (s->exit_level && s->exit_level < EXIT_FUNCTION)
+        s->exit_level--;
+}
+
+/* Arguments of illuminance ([category,] position [, axis, angle]), illuminate (from [, axis, angle]) and solar
+ * ([axis, angle]). */
+static void check_lighting(struct checker *k, struct ast_statement *s) {
+    bool is_surface = k->kind == SHADER_KIND_SURFACE;
+    const char *name = s->kind == STATEMENT_ILLUMINANCE  ? "illuminance"
+                       : s->kind == STATEMENT_ILLUMINATE ? "illuminate"
+                                                         : "solar";
+    if (is_surface != (s->kind == STATEMENT_ILLUMINANCE))
+        compile_error(k->c, &s->at, "%s belongs into a %s shader", name, is_surface ? "light" : "surface");
+    for (struct ast_expression **a = &s->arguments; *a; a = &(*a)->next) {
+        struct ast_expression *next = (*a)->next;
+        *a = check_expression(k, *a, TYPE_ERROR);
+        (*a)->next = next;
+    }
+    if (s->kind == STATEMENT_ILLUMINANCE && s->arguments && s->arguments->type == TYPE_STRING) {
+        compile_warning(k->c, &s->arguments->at, "light categories are ignored; every light matches");
+        s->arguments = s->arguments->next;
+        s->argument_count--;
+    }
+    static const enum ast_type wanted[3] = {TYPE_POINT, TYPE_VECTOR, TYPE_FLOAT};
+    int first = s->kind == STATEMENT_SOLAR ? 1 : 0, at = first;
+    if (s->argument_count != 3 - first && s->argument_count != 1 - first)
+        compile_error(k->c, &s->at, "%s takes (%s) or (%saxis, angle)", name, first ? "" : "position",
+                      first ? "" : "position, ");
+    else if (first && !s->argument_count)
+        compile_error(k->c, &s->at, "solar without an axis is not supported");
+    for (struct ast_expression **a = &s->arguments; *a && at < 3; a = &(*a)->next, at++) {
+        struct ast_expression *next = (*a)->next;
+        *a = check_convert(k, *a, wanted[at]);
+        (*a)->next = next;
+    }
+    bool is_loop = s->kind == STATEMENT_ILLUMINANCE;
+    k->loop_level += is_loop;
+    k->illuminance_level += is_loop;
+    if (k->illuminance_level > 1)
+        compile_error(k->c, &s->at, "illuminance inside illuminance");
+    check_scoped(k, s->body, s);
+    k->illuminance_level -= is_loop;
+    k->loop_level -= is_loop;
+    if (is_loop && s->exit_level && s->exit_level < EXIT_FUNCTION)
+        s->exit_level--;
+}
+
+static void check_return(struct checker *k, struct ast_statement *s) {
+    enum ast_type type = k->function->type;
+    s->exit_level = EXIT_FUNCTION;
+    if (s->expression) {
+        if (type == TYPE_VOID) {
+            compile_error(k->c, &s->expression->at, "%s returns nothing",
+                          k->function->is_shader ? "a shader" : "a void function");
+            check_expression(k, s->expression, TYPE_ERROR);
+        } else {
+            s->expression = check_as(k, s->expression, type);
+        }
+    } else if (type != TYPE_VOID) {
+        compile_error(k->c, &s->at, "this function returns a %s", ast_type_name(type));
+    }
+}
+
+static void check_statement(struct checker *k, struct ast_statement *s) {
+    switch (s->kind) {
+    case STATEMENT_EMPTY:
+        break;
+    case STATEMENT_EXPRESSION:
+        s->expression = check_expression(k, s->expression, TYPE_ERROR);
+        break;
+    case STATEMENT_DECLARE:
+        check_declaration(k, s->symbol);
+        scope_add_symbol(k, s->symbol);
+        break;
+    case STATEMENT_FUNCTION:
+        scope_add_function(k, s->function);
+        check_function(k, s->function);
+        break;
+    case STATEMENT_BLOCK:
+        if (s->is_scope)
+            scope_enter(k);
+        check_list(k, s->body, s);
+        if (s->is_scope)
+            scope_leave(k);
+        break;
+    case STATEMENT_IF:
+        s->expression = check_as(k, s->expression, TYPE_BOOL);
+        check_scoped(k, s->body, s);
+        check_scoped(k, s->otherwise, s);
+        break;
+    case STATEMENT_FOR:
+        check_loop(k, s);
+        break;
+    case STATEMENT_BREAK:
+    case STATEMENT_CONTINUE:
+        if (s->level > k->loop_level)
+            compile_error(k->c, &s->at, k->loop_level ? "there are only %d loops around this"
+                                                      : "this is not inside a loop",
+                          k->loop_level);
+        s->exit_level = s->level;
+        break;
+    case STATEMENT_RETURN:
+        check_return(k, s);
+        break;
+    case STATEMENT_ILLUMINANCE:
+    case STATEMENT_ILLUMINATE:
+    case STATEMENT_SOLAR:
+        check_lighting(k, s);
+        break;
+    }
+}
+
+/* A return is early unless it is the last statement of the body. */
+static bool has_early_return(const struct ast_statement *body) {
+    for (const struct ast_statement *s = body; s; s = s->next)
+        if (s->exit_level == EXIT_FUNCTION && !(s->kind == STATEMENT_RETURN && !s->next))
+            return true;
+    return false;
+}
+
+static bool has_return(const struct ast_statement *body) {
+    for (const struct ast_statement *s = body; s; s = s->next)
+        if (s->exit_level == EXIT_FUNCTION)
+            return true;
+    return false;
+}
+
+void check_function(struct checker *k, struct ast_function *function) {
+    struct ast_function *outer = k->function;
+    int outer_loops = k->loop_level, outer_illuminance = k->illuminance_level;
+    k->function = function;
+    k->loop_level = k->illuminance_level = 0;
+    scope_enter(k);
+    for (struct ast_symbol *formal = function->formals; formal; formal = formal->next) {
+        k->in_default = true;
+        if (!function->is_shader && formal->initial)
+            compile_error(k->c, &formal->at, "parameters of functions have no default value");
+        check_declaration(k, formal);
+        k->in_default = false;
+        if (function->is_shader && global_find(formal->name))
+            compile_warning(k->c, &formal->at, "parameter '%s' hides the predefined variable of this name",
+                            formal->name);
+        scope_add_symbol(k, formal);
+        function->has_outputs |= formal->is_output;
+    }
+    check_list(k, function->body, NULL);
+    scope_leave(k);
+    if (function->type != TYPE_VOID && !has_return(function->body))
+        compile_error(k->c, &function->at, "function '%.64s' never returns a value", function->name);
+    function->returns_early = has_early_return(function->body);
+    k->function = outer;
+    if (outer)
+        outer->has_outputs |= function->has_outputs;
+    k->loop_level = outer_loops;
+    k->illuminance_level = outer_illuminance;
+}
+
+struct ast_symbol **check_unit(struct compilation *c, struct ast_unit *unit, struct ast_unit *prelude) {
+    struct checker *k = compilation_get(c, sizeof *k);
+    k->c = c;
+    k->kind = unit->kind;
+    k->kind = SHADER_KIND_SURFACE; /* what a light must not call is found when it does */
+    for (struct ast_function *f = prelude ? prelude->functions : NULL; f; f = f->next)
+        scope_add_function(k, f);
+    for (struct ast_function *f = prelude ? prelude->functions : NULL; f; f = f->next)
+        check_function(k, f);
+    k->kind = unit->kind;
+    k->level = 1;
+    for (struct ast_function *f = unit->functions; f; f = f->next)
+        scope_add_function(k, f); /* all first, so that a cycle is called a cycle */
+    for (struct ast_function *f = unit->functions; f; f = f->next)
+        check_function(k, f);
+    if (unit->shader)
+        check_function(k, unit->shader);
+    return k->global_symbols;
+}

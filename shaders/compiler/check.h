@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef CHECK_H
+#define CHECK_H
+
+#include "shaders/compiler/builtins.h"
+
+/* Names in scope: a hash table of which leaving a scope undoes what entering it added. */
+enum { SCOPE_BUCKETS = 1024 };
+
+struct scope_entry {
+    const char *name;
+    struct ast_symbol *symbol;     /* one of the two */
+    struct ast_function *function;
+    int level;
+    struct scope_entry *below;    /* same bucket */
+    struct scope_entry *previous; /* order of entry */
+};
+
+struct checker {
+    struct compilation *c;
+    enum shader_kind kind;
+    struct scope_entry *buckets[SCOPE_BUCKETS];
+    struct scope_entry *newest;
+    int level;
+    struct ast_function *function; /* being checked */
+    int loop_level;                /* loops around the statement, inside the function */
+    int illuminance_level;
+    bool in_default; /* a parameter's default value */
+    struct ast_symbol *global_symbols[64];
+};
+
+void scope_enter(struct checker *k);
+void scope_leave(struct checker *k);
+void scope_add_symbol(struct checker *k, struct ast_symbol *symbol);
+void scope_add_function(struct checker *k, struct ast_function *function);
+/* The innermost variable or predefined variable of this name, else NULL. */
+struct ast_symbol *scope_find_symbol(struct checker *k, const char *name);
+struct ast_function *scope_find_function(struct checker *k, const char *name);
+
+/* Gives the expression and all in it types and symbols. `wanted`: the type the context would like, TYPE_ERROR
+ * for none. Returns what takes the expression's place. */
+struct ast_expression *check_expression(struct checker *k, struct ast_expression *e, enum ast_type wanted);
+/* The same, then converted to `type`; an error when that cannot be. */
+struct ast_expression *check_as(struct checker *k, struct ast_expression *e, enum ast_type type);
+/* Puts a conversion over a checked expression. */
+struct ast_expression *check_convert(struct checker *k, struct ast_expression *e, enum ast_type type);
+/* Function calls, check_call.c. */
+struct ast_expression *check_call(struct checker *k, struct ast_expression *e, enum ast_type wanted);
+/* Something is written to; complains unless it can be. */
+void check_written(struct checker *k, struct ast_expression *target);
+void check_function(struct checker *k, struct ast_function *function);
+
+#endif

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/check.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct ast_expression *fail(struct ast_expression *e) {
+    e->kind = EXPRESSION_NUMBER;
+    e->type = TYPE_ERROR;
+    return e;
+}
+
+static void complain_unknown(struct checker *k, const struct ast_expression *e) {
+    const char *best = NULL, *reason = builtin_missing(e->name);
+    int distance = 0;
+    if (reason) {
+        compile_error(k->c, &e->at, "%.64s() is not supported: %s", e->name, reason);
+        return;
+    }
+    for (struct scope_entry *entry = k->newest; entry; entry = entry->previous)
+        if (entry->function)
+            suggestion_consider(e->name, entry->name, &best, &distance);
+    for (int i = 0; i < BUILTIN_COUNT; i++)
+        suggestion_consider(e->name, builtins[i].name, &best, &distance);
+    if (best)
+        compile_error(k->c, &e->at, "there is no function '%.64s'; did you mean '%.64s'?", e->name, best);
+    else
+        compile_error(k->c, &e->at, "there is no function '%.64s'", e->name);
+}
+
+static struct ast_expression *check_user_call(struct checker *k, struct ast_expression *e,
+                                              struct ast_function *function) {
+    e->function = function;
+    e->type = function->type;
+    if (e->argument_count != function->formal_count) {
+        compile_error(k->c, &e->at, "%.64s() takes %d argument%s, not %d", e->name, function->formal_count,
+                      function->formal_count == 1 ? "" : "s", e->argument_count);
+        for (struct ast_expression *a = e->arguments; a; a = a->next)
+            check_expression(k, a, TYPE_ERROR);
+        return fail(e);
+    }
+    struct ast_symbol *formal = function->formals;
+    for (struct ast_expression **a = &e->arguments; *a; a = &(*a)->next, formal = formal->next) {
+        struct ast_expression *next = (*a)->next;
+        *a = check_expression(k, *a, formal->type);
+        bool wants_array = formal->array_length != 0, is_array = (*a)->array_length != 0;
+        if ((*a)->type == TYPE_ERROR) {
+        } else if (wants_array != is_array || (is_array && (*a)->type != formal->type) ||
+                   (formal->array_length > 0 && (*a)->array_length > 0 &&
+                    (*a)->array_length < formal->array_length)) {
+            compile_error(k->c, &(*a)->at, "argument '%.64s' of %.64s() is %s %s", formal->name, e->name,
+                          wants_array ? "an array of" : "a single", ast_type_name(formal->type));
+        } else if (formal->is_output && !is_array &&
+                   ((*a)->type != formal->type &&
+                    !(ast_type_is_geometric((*a)->type) && ast_type_is_geometric(formal->type)))) {
+            compile_error(k->c, &(*a)->at, "output argument '%.64s' of %.64s() is a %s", formal->name,
+                          e->name, ast_type_name(formal->type));
+        } else if (!is_array && !formal->is_output) {
+            *a = check_convert(k, *a, formal->type);
+        }
+        if (formal->is_output)
+            check_written(k, *a);
+        (*a)->next = next;
+    }
+    return e;
+}
+
+static bool is_literal(const struct ast_expression *e) {
+    return e && e->kind == EXPRESSION_STRING;
+}
+
+/* ctransform works on literals only: the spaces are chosen while compiling. */
+static void check_color_spaces(struct checker *k, struct ast_expression *e) {
+    struct ast_expression *a = e->arguments;
+    for (int i = 0; i < e->argument_count - 1 && a; i++, a = a->next)
+        if (!is_literal(a) || (strcmp(a->name, "rgb") && strcmp(a->name, "hsv") && strcmp(a->name, "hsl")))
+            compile_error(k->c, &a->at, "ctransform knows \"rgb\", \"hsv\" and \"hsl\", written out");
+}
+
+static struct ast_expression *check_builtin_call(struct checker *k, struct ast_expression *e,
+                                                 const struct builtin *builtin, enum ast_type wanted) {
+    enum ast_type types[BUILTIN_ARGUMENTS_MAX] = {0}, parameters[BUILTIN_ARGUMENTS_MAX];
+    uint32_t written = 0;
+    int count = 0;
+    bool is_wrong = false;
+    e->builtin = builtin;
+    if (e->argument_count > BUILTIN_ARGUMENTS_MAX) {
+        compile_error(k->c, &e->at, "more than %d arguments", BUILTIN_ARGUMENTS_MAX);
+        return fail(e);
+    }
+    for (struct ast_expression **a = &e->arguments; *a; a = &(*a)->next) {
+        struct ast_expression *next = (*a)->next;
+        *a = check_expression(k, *a, TYPE_ERROR);
+        (*a)->next = next;
+        is_wrong |= (*a)->type == TYPE_ERROR;
+        if ((*a)->array_length && builtin->id != BUILTIN_PRINTF) {
+            compile_error(k->c, &(*a)->at, "%s() does not take an array", e->name);
+            is_wrong = true;
+        }
+        types[count++] = (*a)->type;
+    }
+    if (is_wrong)
+        return fail(e);
+    if (!builtin_resolve(builtin, types, count, wanted, &e->type, parameters, &written)) {
+        char list[160] = "";
+        for (int i = 0; i < count && i < 6; i++) {
+            size_t used = strlen(list);
+            snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", ast_type_name(types[i]));
+        }
+        compile_error(k->c, &e->at, "%s() cannot be called with (%s)", e->name, list);
+        return fail(e);
+    }
+    int i = 0;
+    for (struct ast_expression **a = &e->arguments; *a; a = &(*a)->next, i++) {
+        struct ast_expression *next = (*a)->next;
+        if (written >> i & 1)
+            check_written(k, *a);
+        else if (parameters[i] != TYPE_TRIPLE)
+            *a = check_convert(k, *a, parameters[i]);
+        (*a)->next = next;
+    }
+    if (builtin->id == BUILTIN_CTRANSFORM)
+        check_color_spaces(k, e);
+    if (builtin->id == BUILTIN_PRINTF)
+        compile_warning(k->c, &e->at, "printf is ignored");
+    return e;
+}
+
+struct ast_expression *check_call(struct checker *k, struct ast_expression *e, enum ast_type wanted) {
+    struct ast_function *function = scope_find_function(k, e->name);
+    const struct builtin *builtin = builtin_find(e->name);
+    if (function && !(function->is_prelude && builtin))
+        return check_user_call(k, e, function);
+    if (builtin)
+        return check_builtin_call(k, e, builtin, wanted);
+    complain_unknown(k, e);
+    for (struct ast_expression *a = e->arguments; a; a = a->next)
+        check_expression(k, a, TYPE_ERROR);
+    return fail(e);
+}

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/emit.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { OUTPUT_BYTES_MAX = 64 << 20 };
+
+static void emit_arguments(struct emitter *e, const char *format, va_list arguments) {
+    struct compilation *c = e->c;
+    char text[256];
+    int length = vsnprintf(text, sizeof text, format, arguments);
+    size_t needed = c->output_length + (size_t)length + 1;
+    if (needed > OUTPUT_BYTES_MAX)
+        compile_limit(c, NULL, "the C of this shader is longer than %d bytes", OUTPUT_BYTES_MAX);
+    c->output = memory_grow(c->output, &c->output_capacity, needed, 1);
+    memcpy(c->output + c->output_length, text, (size_t)length + 1);
+    c->output_length += (size_t)length;
+}
+
+void emit_text(struct emitter *e, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    emit_arguments(e, format, arguments);
+    va_end(arguments);
+}
+
+void emit_line(struct emitter *e, const char *format, ...) {
+    va_list arguments;
+    for (int i = 0; i < e->indent; i++)
+        emit_text(e, "    ");
+    va_start(arguments, format);
+    emit_arguments(e, format, arguments);
+    va_end(arguments);
+    emit_text(e, "\n");
+}
+
+/* What every module starts with. Index conversions clamp first, so that no float is out of an int's range; not
+ * a number is element 0. */
+static const char *const support[] = {
+    "#include \"shader_module.h\"\n#include \"vector_math.h\"\n\n",
+    "#define SHADER_UNUSED __attribute__((unused))\n"
+    "#define SHADER_HELPER static inline SHADER_UNUSED\n\n",
+    "SHADER_HELPER vi shader_mask(int truth) {\n    return vi_set(truth ? -1 : 0);\n}\n\n",
+    "SHADER_HELPER int shader_index(float index, int length) {\n"
+    "    if (!(index > 0.0f))\n        return 0;\n"
+    "    return index >= (float)length ? length - 1 : (int)index;\n}\n\n",
+    "SHADER_HELPER vf shader_load_lanes_varying(const vf *array, int length, vf index) {\n"
+    "    vf result = {0};\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        result[i] = array[shader_index(index[i], length)][i];\n"
+    "    return result;\n}\n\n",
+    "SHADER_HELPER vf shader_load_lanes_uniform(const float *array, int length, vf index) {\n"
+    "    vf result = {0};\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        result[i] = array[shader_index(index[i], length)];\n"
+    "    return result;\n}\n\n",
+    "SHADER_HELPER void shader_store_lanes(vf *array, int length, vf index, vi mask, vf value) {\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        if (mask[i])\n"
+    "            array[shader_index(index[i], length)][i] = value[i];\n}\n\n",
+    "SHADER_HELPER void shader_store_one(vf *element, vi mask, vf value) {\n"
+    "    *element = vf_select(mask, value, *element);\n}\n\n",
+    "SHADER_HELPER int32_t shader_identity(const float *bits) {\n"
+    "    int32_t identity;\n"
+    "    __builtin_memcpy(&identity, bits, sizeof identity);\n"
+    "    return identity;\n}\n\n",
+    "SHADER_HELPER vi shader_load_mask(const float *bits) {\n"
+    "    vi mask;\n"
+    "    __builtin_memcpy(&mask, bits, sizeof mask);\n"
+    "    return mask;\n}\n\n",
+    "SHADER_HELPER const float *shader_matrix(const float (*spaces)[16], int32_t space) {\n"
+    "    static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};\n"
+    "    return space > SHADER_SPACE_CAMERA && space < SHADER_SPACE_COUNT ? spaces[space] : identity;\n}\n\n",
+    "SHADER_HELPER uint64_t shader_key(uint64_t key, uint64_t step) {\n"
+    "    key = (key ^ step) * 0x9e3779b97f4a7c15u;\n"
+    "    key = (key ^ (key >> 29)) * 0xbf58476d1ce4e5b9u;\n"
+    "    return key ^ (key >> 32);\n}\n\n",
+    "SHADER_HELPER void shader_report(struct shader_counters *counters, uint32_t block, uint64_t key,\n"
+    "                                 uint64_t trips) {\n"
+    "    if (counters && counters->report_trips)\n"
+    "        counters->report_trips(counters, block, key, trips);\n}\n\n",
+};
+
+/* The uniform block holds floats; strings keep their bits, conditions become 0 and 1. */
+static void emit_slot_store(struct emitter *e, const struct ir_variable *v) {
+    if (v->array_length)
+        emit_line(e, "__builtin_memcpy(uniform + %d, v%d, sizeof v%d);", v->slot, v->id, v->id);
+    else if (v->type == IR_FLOAT)
+        emit_line(e, "uniform[%d] = v%d;", v->slot, v->id);
+    else if (v->type == IR_BOOL)
+        emit_line(e, "uniform[%d] = v%d ? 1.0f : 0.0f;", v->slot, v->id);
+    else
+        emit_line(e, "__builtin_memcpy(uniform + %d, &v%d, sizeof v%d);", v->slot, v->id, v->id);
+}
+
+static void emit_slot_load(struct emitter *e, const struct ir_variable *v) {
+    if (v->array_length && !v->is_written_in_shade) {
+        emit_line(e, "const float *const v%d = uniform + %d;", v->id, v->slot);
+    } else if (v->array_length) {
+        emit_line(e, "float v%d[%d];", v->id, v->array_length);
+        emit_line(e, "__builtin_memcpy(v%d, uniform + %d, sizeof v%d);", v->id, v->slot, v->id);
+    } else if (v->type == IR_FLOAT) {
+        emit_line(e, "float v%d = uniform[%d];", v->id, v->slot);
+    } else if (v->type == IR_BOOL) {
+        emit_line(e, "int v%d = uniform[%d] != 0.0f;", v->id, v->slot);
+    } else {
+        emit_line(e, "int32_t v%d = shader_identity(uniform + %d);", v->id, v->slot);
+    }
+}
+
+static void emit_prepare(struct emitter *e) {
+    e->in_prepare = true;
+    e->mask = e->loop_mask = -1;
+    emit_text(e, "static void shader_prepare(const float *bound, const uint8_t *given,\n"
+                 "                           const struct shader_matrices *matrices, float *uniform) {\n");
+    e->indent = 1;
+    emit_line(e, "(void)bound, (void)given, (void)matrices, (void)uniform;");
+    if (e->ir->has_prepare_loop) {
+        e->steps = e->next_number++;
+        emit_line(e, "int overrun = 0;");
+        emit_line(e, "uint64_t w%d = 0;", e->steps);
+    }
+    for (struct ir_variable *v = e->ir->top->variables; v; v = v->next_in_home)
+        if (v->in_prepare)
+            emit_declaration(e, v);
+    emit_list(e, e->ir->top);
+    for (struct ir_variable *v = e->ir->top->variables; v; v = v->next_in_home)
+        if (v->slot >= 0)
+            emit_slot_store(e, v);
+    if (e->ir->has_prepare_loop)
+        emit_line(e, "uniform[0] = overrun ? 1.0f : 0.0f;");
+    emit_text(e, "}\n\n");
+    e->in_prepare = false;
+}
+
+static void emit_variables(struct emitter *e) {
+    for (struct ir_variable *v = e->ir->top->variables; v; v = v->next_in_home) {
+        if (v->slot >= 0)
+            emit_slot_load(e, v);
+        else if (v->in_shade)
+            emit_declaration(e, v);
+    }
+    e->steps = e->next_number++;
+    e->key = e->next_number++;
+    emit_line(e, "uint64_t w%d SHADER_UNUSED = 0;", e->steps);
+    emit_line(e, "vi steps SHADER_UNUSED = {0};");
+    if (e->ir->has_prepare_loop)
+        emit_line(e, "if (uniform[0] != 0.0f)\n        %s = 1;", e->in_light ? "*overrun" : "call->overrun");
+}
+
+/* Lights run once per vector of samples, before anything that could need them; every illuminance and ambient()
+ * reads what they left. */
+static void emit_run_lights(struct emitter *e) {
+    bool runs_all = e->ir->uses_ambient && e->ir->uses_illuminance;
+    emit_line(e, "vf ambient[3] SHADER_UNUSED = {{0}, {0}, {0}};");
+    emit_line(e, "for (int i = 0; i < call->light_count; i++) {");
+    emit_line(e, "    const struct shader_light *light = &call->lights[i];");
+    emit_line(e, "    float *result = call->light_scratch + (size_t)i * 7 * SHADER_WIDTH;");
+    if (!runs_all) {
+        emit_line(e, "    if (%slight->module->is_ambient)", e->ir->uses_ambient ? "!" : "");
+        emit_line(e, "        continue;");
+    }
+    emit_line(e, "    const float *const position[3] = {call->position[0] + at, call->position[1] + at,");
+    emit_line(e, "                                      call->position[2] + at};");
+    emit_line(e, "    struct shader_light_sample sample;");
+    emit_line(e, "    for (int c = 0; c < 3; c++) {");
+    emit_line(e, "        sample.direction[c] = result + c * SHADER_WIDTH;");
+    emit_line(e, "        sample.color[c] = result + (3 + c) * SHADER_WIDTH;");
+    emit_line(e, "    }");
+    emit_line(e, "    sample.lit = (int32_t *)(void *)(result + 6 * SHADER_WIDTH);");
+    emit_line(e, "    light->module->light(light, position, 1, &sample, &call->overrun);");
+    if (e->ir->uses_ambient) {
+        emit_line(e, "    if (light->module->is_ambient)");
+        emit_line(e, "        for (int c = 0; c < 3; c++)");
+        emit_line(e, "            ambient[c] += vf_load(sample.color[c]);");
+    }
+    emit_line(e, "}");
+}
+
+static void emit_shade(struct emitter *e) {
+    emit_text(e, "static void shade_vector(struct shader_call *call, size_t at) {\n");
+    e->indent = 1;
+    emit_line(e, "const float *uniform SHADER_UNUSED = call->uniform;");
+    emit_line(e, "const struct shader_matrices *matrices SHADER_UNUSED = call->matrices;");
+    emit_variables(e);
+    emit_line(e, "const uint64_t k%d SHADER_UNUSED = 0;", e->key);
+    if (e->ir->uses_ambient || e->ir->uses_illuminance)
+        emit_run_lights(e);
+    emit_list(e, e->ir->top);
+    for (int i = 0; i < 3; i++)
+        emit_line(e, "vf_store(call->color[%d] + at, vf_canonical(v%d));", i, e->ir->color[i]->id);
+    emit_line(e, "for (int c = 0; c < 3; c++)");
+    emit_line(e, "    if (call->opacity[c])");
+    emit_line(e, "        vf_store(call->opacity[c] + at, vf_set(1.0f));");
+    emit_text(e, "}\n\nstatic void shader_shade(struct shader_call *call) {\n"
+                 "    for (size_t at = 0; at < call->count; at += SHADER_WIDTH)\n"
+                 "        shade_vector(call, at);\n}\n\n");
+}
+
+static void emit_light(struct emitter *e) {
+    e->in_light = true;
+    emit_text(e, "static void shader_light_run(const struct shader_light *self, const float *const position[3],\n"
+                 "                             uint64_t key, struct shader_light_sample *sample,\n"
+                 "                             int *overrun) {\n");
+    e->indent = 1;
+    emit_line(e, "const float *uniform SHADER_UNUSED = self->uniform;");
+    emit_line(e, "const struct shader_matrices *matrices SHADER_UNUSED = self->matrices;");
+    emit_line(e, "(void)position, (void)overrun;");
+    emit_variables(e);
+    emit_line(e, "const uint64_t k%d SHADER_UNUSED = key;", e->key);
+    emit_list(e, e->ir->top);
+    for (int i = 0; i < 3 && !e->ir->is_ambient; i++)
+        emit_line(e, "vf_store(sample->direction[%d], vf_canonical(v%d));", i, e->ir->direction[i]->id);
+    for (int i = 0; i < 3; i++)
+        emit_line(e, "vf_store(sample->color[%d], vf_canonical(v%d));", i, e->ir->color[i]->id);
+    emit_line(e, "__builtin_memcpy(sample->lit, &v%d, sizeof v%d);", e->ir->lit->id, e->ir->lit->id);
+    emit_text(e, "}\n\n");
+}
+
+static void emit_blocks(struct emitter *e) {
+    emit_text(e, "static const struct shader_block shader_blocks[] = {\n");
+    for (int b = 0; b < e->ir->block_count; b++) {
+        const struct shader_block *block = &e->ir->blocks[b];
+        emit_text(e, "    {.parent = %d", block->parent);
+        for (int s = 0; s < SHADER_STREAM_COUNT; s++)
+            for (int o = 0; o < SIMD_OPERATION_COUNT; o++)
+                if (block->operations[s][o])
+                    emit_text(e, ", .operations[%d][%d] = %u", s, o, block->operations[s][o]);
+        emit_text(e, "},\n");
+    }
+    emit_text(e, "};\n\n");
+}
+
+static void emit_module(struct emitter *e) {
+    const struct shader_program *program = e->c->program;
+    bool is_light = e->ir->kind == SHADER_KIND_LIGHT;
+    emit_text(e, "extern const struct shader_module sortlast_shader_module;\n"
+                 "const struct shader_module sortlast_shader_module = {\n");
+    emit_text(e, "    .abi = SHADER_MODULE_ABI,\n    .width = SHADER_WIDTH,\n");
+    emit_text(e, "    .name = \"%.128s\",\n", program->name);
+    emit_text(e, "    .is_light = %d,\n    .is_ambient = %d,\n", is_light, e->ir->is_ambient);
+    emit_text(e, "    .material_count = %d,\n    .bound_count = %d,\n", program->material_count,
+              program->bound_count);
+    emit_text(e, "    .uniform_count = %d,\n    .spaces = %u,\n", e->ir->uniform_count, e->ir->spaces);
+    emit_text(e, "    .block_count = %d,\n    .blocks = shader_blocks,\n", e->ir->block_count);
+    emit_text(e, "    .uses_lights = %d,\n", e->ir->uses_ambient || e->ir->uses_illuminance);
+    emit_text(e, "    .prepare = shader_prepare,\n");
+    emit_text(e, is_light ? "    .light = shader_light_run,\n" : "    .shade = shader_shade,\n");
+    emit_text(e, "};\n");
+}
+
+void pass_emit(struct ir_program *ir) {
+    struct emitter emitter = {.c = ir->c, .ir = ir}, *e = &emitter;
+    for (size_t i = 0; i < sizeof support / sizeof *support; i++)
+        for (const char *text = support[i]; *text; text += strlen(text) < 200 ? strlen(text) : 200)
+            emit_text(e, "%.200s", text);
+    emit_prepare(e);
+    e->mask = e->loop_mask = -1;
+    if (ir->kind == SHADER_KIND_LIGHT)
+        emit_light(e);
+    else
+        emit_shade(e);
+    emit_blocks(e);
+    emit_module(e);
+}

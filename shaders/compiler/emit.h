@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef EMIT_H
+#define EMIT_H
+
+#include "shaders/compiler/ir.h"
+
+/* Writing C. Variables are v0, v1 ...; masks m, counters n and keys k carry the number of their node's block or
+ * a running number. In prepare() everything is scalar; in shade and light uniform variables are scalars and
+ * varying ones vectors. */
+struct emitter {
+    struct compilation *c;
+    struct ir_program *ir;
+    bool in_prepare, in_light;
+    int mask;       /* number of the mask in force, -1: all samples */
+    int loop_mask;  /* of the innermost varying loop, -1: none */
+    int steps;      /* number of the counter of uniform loop steps */
+    int key;        /* number of the key of the control path */
+    int in_varying_loop;
+    int next_number;
+    int indent;
+};
+
+void emit_text(struct emitter *e, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* A line of its own, indented. */
+void emit_line(struct emitter *e, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* An operand as a scalar, or as a vector when `as_vector`. */
+void emit_operand(struct emitter *e, const struct ir_operand *operand, bool as_vector);
+void emit_instruction(struct emitter *e, struct ir_node *node);
+/* The declarations of a list, then its nodes (of the top level: those of this function). */
+void emit_list(struct emitter *e, struct ir_list *list);
+void emit_declaration(struct emitter *e, struct ir_variable *variable);
+
+#endif

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef IR_H
+#define IR_H
+
+#include "base/simd_operations.h"
+#include "shaders/compiler/ast.h"
+#include "shaders/compiler/ir_operations.h"
+#include "shaders/simd/shader_module.h"
+
+/* Structured three-address code over scalar variables. Vectors and colours have been taken apart and functions
+ * inlined, so that liveness, transfer map and costs are per component. Control flow is nested lists of nodes:
+ * break, continue and return have become conditions. Instructions have no side effects but on what they
+ * assign; a variable is zero when the list that declares it is entered. Arena memory throughout. */
+
+enum ir_operation {
+#define IR_ENUM(name, types, cost, scalar, vector) IR_##name,
+    IR_OPERATIONS(IR_ENUM)
+#undef IR_ENUM
+        IR_OPERATION_COUNT
+};
+
+struct ir_operation_info {
+    const char *name, *types;
+    int cost; /* enum simd_operation, or IR_FREE */
+    const char *scalar, *vector;
+};
+enum { IR_FREE = -1 };
+extern const struct ir_operation_info ir_operations[IR_OPERATION_COUNT];
+
+enum ir_type { IR_FLOAT, IR_BOOL, IR_STRING };
+
+struct ir_list;
+struct ir_node;
+
+struct ir_variable {
+    int id;
+    enum ir_type type;
+    int array_length; /* 0: one scalar */
+    struct ir_list *home;
+    const char *name;        /* the user's, NULL for a temporary */
+    bool is_temporary;       /* assigned once */
+    bool is_declared_uniform;
+    bool is_forced_varying;  /* declared so, or a result of the shader */
+    bool is_varying;         /* infer_storage.c */
+    bool is_live;            /* dead_code.c */
+    bool is_tainted;         /* depends on an illuminance, blocks.c */
+    bool in_prepare, in_shade, is_written_in_prepare, is_written_in_shade; /* hoist.c */
+    int slot;                /* first float in the uniform block, -1 when not there */
+    int use_count, definition_count; /* scratch of merge_moves.c */
+    struct ir_node *definition;
+    struct ir_use *uses;     /* scratch of infer_storage.c and dead_code.c */
+    struct ir_variable *next_in_home;
+};
+
+enum ir_operand_kind { OPERAND_NONE, OPERAND_VARIABLE, OPERAND_FLOAT, OPERAND_BOOL, OPERAND_STRING };
+
+struct ir_operand {
+    enum ir_operand_kind kind;
+    union {
+        struct ir_variable *variable;
+        float number;
+        int truth;
+        int32_t identity;
+    };
+};
+
+enum ir_node_kind { NODE_INSTRUCTION, NODE_IF, NODE_LOOP, NODE_ILLUMINANCE };
+
+struct ir_list {
+    struct ir_node *first, *last;
+    struct ir_node *owner; /* NULL: the top level */
+    struct ir_variable *variables;
+};
+
+struct ir_node {
+    enum ir_node_kind kind;
+    struct ir_node *next;
+    struct ir_list *list; /* that it is in */
+    const struct source_location *at;
+    /* instruction */
+    enum ir_operation operation;
+    struct ir_variable *results[3];
+    struct ir_variable *array;
+    struct ir_operand operands[3];
+    int index;
+    struct shader_parameter *parameter;
+    int order;    /* in the text, scratch of propagate_copies.c */
+    bool is_free; /* loads what is in pixel memory already */
+    /* if (condition) body else otherwise
+     * loop: test; leave unless condition; body
+     * illuminance: body once per light, for the samples it lights */
+    struct ir_operand condition;
+    struct ir_list *test, *body, *otherwise;
+    bool is_varying;  /* the samples may go different ways */
+    bool is_live, is_prepared;
+    int block, block_otherwise; /* -1: none of its own */
+    bool has_blocks;  /* a counted block inside */
+    enum shader_stream stream;
+};
+
+struct ir_program {
+    struct compilation *c;
+    enum shader_kind kind;
+    struct ir_list *top;
+    struct ir_variable **variables;
+    size_t variable_count, variable_capacity;
+    int instruction_count;
+    int control_depth;
+    int array_floats;
+    struct ir_variable *color[3]; /* Ci, or Cl of a light */
+    struct ir_variable *direction[3], *lit; /* of a light */
+    bool is_ambient;       /* a light without illuminate and solar */
+    bool uses_illuminance, uses_ambient;
+    uint32_t spaces;
+    int uniform_count;     /* floats of the uniform block */
+    bool has_prepare_loop; /* slot 0 holds the overrun flag of prepare */
+    struct shader_block *blocks;
+    int *block_depths;
+    int block_count, block_capacity;
+};
+
+/* The results of the shader: Ci; or L, Cl and lit. */
+enum { IR_RESULTS_MAX = 7 };
+int ir_results(const struct ir_program *ir, struct ir_variable *results[IR_RESULTS_MAX]);
+
+struct ir_use {
+    struct ir_node *node;
+    struct ir_use *next;
+};
+
+/* ir.c: building */
+struct ir_list *ir_list_new(struct ir_program *ir, struct ir_node *owner);
+struct ir_variable *ir_variable_new(struct ir_program *ir, struct ir_list *home, enum ir_type type,
+                                    const char *name);
+struct ir_node *ir_node_new(struct ir_program *ir, struct ir_list *list, enum ir_node_kind kind,
+                            const struct source_location *at);
+static inline struct ir_operand ir_of(struct ir_variable *variable) {
+    return (struct ir_operand){.kind = OPERAND_VARIABLE, .variable = variable};
+}
+static inline struct ir_operand ir_float(float number) {
+    return (struct ir_operand){.kind = OPERAND_FLOAT, .number = number};
+}
+static inline struct ir_operand ir_bool(bool truth) {
+    return (struct ir_operand){.kind = OPERAND_BOOL, .truth = truth};
+}
+static inline struct ir_operand ir_string(int32_t identity) {
+    return (struct ir_operand){.kind = OPERAND_STRING, .identity = identity};
+}
+enum ir_type ir_operand_type(const struct ir_operand *operand);
+static inline bool ir_operand_is_varying(const struct ir_operand *operand) {
+    return operand->kind == OPERAND_VARIABLE && operand->variable->is_varying;
+}
+/* How many operands the operation takes. */
+static inline int ir_operand_count(enum ir_operation operation) {
+    int count = 0;
+    for (const char *type = ir_operations[operation].types + 1; *type; type++)
+        count++;
+    return count;
+}
+/* Whether `list` is `outer` or inside it. */
+bool ir_list_is_inside(const struct ir_list *list, const struct ir_list *outer);
+/* Whether an operand or the array read by the instruction varies. */
+bool ir_instruction_reads_varying(const struct ir_node *node);
+bool ir_instruction_is_varying(const struct ir_node *node);
+
+/* Calls visit for every node, the nodes inside a node after it. */
+typedef void ir_visit(struct ir_node *node, void *context);
+void ir_each_node(struct ir_list *list, ir_visit *visit, void *context);
+/* The same for every variable read by this node itself (operands, array loaded from, condition). */
+typedef void ir_visit_variable(struct ir_variable *variable, void *context);
+void ir_each_read(struct ir_node *node, ir_visit_variable *visit, void *context);
+/* ... and written by it (an array stored to included). */
+void ir_each_write(struct ir_node *node, ir_visit_variable *visit, void *context);
+
+/* The passes, in order. Each reports what the user did wrong to ir->c and leaves valid IR. */
+/* lower.c; `symbols` are the predefined variables in use, by their number in `globals` */
+struct ir_program *lower_unit(struct compilation *c, struct ast_unit *unit, struct ast_unit *prelude,
+                              struct ast_symbol **symbols);
+void pass_propagate_copies(struct ir_program *ir); /* propagate_copies.c: `x = a; y = x` is `y = a` */
+void pass_merge_moves(struct ir_program *ir);   /* merge_moves.c: `t = a + b; x = t` is `x = a + b` */
+void pass_dead_code(struct ir_program *ir);     /* dead_code.c: what cannot reach the result goes */
+void pass_infer_storage(struct ir_program *ir); /* infer_storage.c: uniform or varying */
+void pass_bind_parameters(struct ir_program *ir); /* bind_parameters.c: transfer map and bound values */
+void pass_hoist(struct ir_program *ir);         /* hoist.c: what runs in prepare(), the uniform block */
+void pass_blocks(struct ir_program *ir);        /* blocks.c: streams and operation counts */
+void pass_emit(struct ir_program *ir);          /* emit.c: C text into ir->c->output */
+/* Stops the compilation with STATUS_INTERNAL when the IR breaks a rule of this file; `after` names the pass. */
+void ir_validate(struct ir_program *ir, const char *after, bool is_storage_known);
+
+#endif

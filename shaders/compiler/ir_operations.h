@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef IR_OPERATIONS_H
+#define IR_OPERATIONS_H
+
+/* Every instruction of the IR: what the array pays for it (base/simd_operations.h, or FREE) and its C.
+ *
+ * X(NAME, result and operand types, operation, scalar C, vector C). Types: f float, b condition, s string
+ * identity; the first letter is the result ('3' is three floats, each wanted or not; '0' none). In the C, $0 $1
+ * $2 are operands, $F is "_fast" when asked for. Rows with no C are written by emit_instruction.c itself. */
+#define IR_OPERATIONS(X)                                                                           \
+    X(MOVE, "ff", FLOAT_MOVE, "$0", "$0")                                                          \
+    X(MOVE_BOOL, "bb", LOGIC, "$0", "$0")                                                          \
+    X(MOVE_STRING, "ss", FREE, "$0", NULL)                                                         \
+    X(ADD, "fff", FLOAT_ADD, "$0 + $1", "$0 + $1")                                                 \
+    X(SUBTRACT, "fff", FLOAT_ADD, "$0 - $1", "$0 - $1")                                            \
+    X(MULTIPLY, "fff", FLOAT_MULTIPLY, "$0 * $1", "$0 * $1")                                       \
+    X(DIVIDE, "fff", FLOAT_DIVIDE, "$0 / $1", "$0 / $1")                                           \
+    X(NEGATE, "ff", FLOAT_SIGN, "-$0", "-$0")                                                      \
+    X(ABS, "ff", FLOAT_SIGN, "sf_abs($0)", "vf_abs($0)")                                           \
+    X(MIN, "fff", FLOAT_SELECT, "sf_min($0, $1)", "vf_min($0, $1)")                                \
+    X(MAX, "fff", FLOAT_SELECT, "sf_max($0, $1)", "vf_max($0, $1)")                                \
+    X(SELECT, "fbff", FLOAT_SELECT, "$0 ? $1 : $2", "vf_select($0, $1, $2)")                       \
+    X(FLOOR, "ff", FLOAT_FLOOR, "sf_floor($0)", "vf_floor($0)")                                    \
+    X(CEIL, "ff", FLOAT_FLOOR, "sf_ceil($0)", "vf_ceil($0)")                                       \
+    X(ROUND, "ff", FLOAT_FLOOR, "sf_round($0)", "vf_round($0)")                                    \
+    X(SQRT, "ff", FLOAT_SQRT, "sf_sqrt($0)", "vf_sqrt($0)")                                        \
+    X(SIN, "ff", SIN, "sf_sin$F($0)", "vf_sin$F($0)")                                              \
+    X(COS, "ff", COS, "sf_cos$F($0)", "vf_cos$F($0)")                                              \
+    X(TAN, "ff", TAN, "sf_tan$F($0)", "vf_tan$F($0)")                                              \
+    X(ASIN, "ff", ASIN, "sf_asin$F($0)", "vf_asin$F($0)")                                          \
+    X(ACOS, "ff", ACOS, "sf_acos$F($0)", "vf_acos$F($0)")                                          \
+    X(ATAN, "ff", ATAN, "sf_atan$F($0)", "vf_atan$F($0)")                                          \
+    X(ATAN2, "fff", ATAN2, "sf_atan2$F($0, $1)", "vf_atan2$F($0, $1)")                             \
+    X(EXP, "ff", EXP, "sf_exp$F($0)", "vf_exp$F($0)")                                              \
+    X(LOG, "ff", LOG, "sf_log$F($0)", "vf_log$F($0)")                                              \
+    X(POW, "fff", POW, "sf_pow$F($0, $1)", "vf_pow$F($0, $1)")                                     \
+    X(NOISE1, "ff", FLOAT_NOISE, "sf_noise1($0)", "vf_noise1($0)")                                 \
+    X(NOISE2, "fff", FLOAT_NOISE, "sf_noise2($0, $1)", "vf_noise2($0, $1)")                        \
+    X(NOISE3, "ffff", FLOAT_NOISE, "sf_noise3($0, $1, $2)", "vf_noise3($0, $1, $2)")               \
+    X(NOISE1_3, "3f", FLOAT_NOISE, "sf_noise1_3($0, ", "vf_noise1_3($0, ")                         \
+    X(NOISE2_3, "3ff", FLOAT_NOISE, "sf_noise2_3($0, $1, ", "vf_noise2_3($0, $1, ")                \
+    X(NOISE3_3, "3fff", FLOAT_NOISE, "sf_noise3_3($0, $1, $2, ", "vf_noise3_3($0, $1, $2, ")       \
+    X(LESS, "bff", FLOAT_COMPARE, "$0 < $1", "$0 < $1")                                            \
+    X(LESS_EQUAL, "bff", FLOAT_COMPARE, "$0 <= $1", "$0 <= $1")                                    \
+    X(EQUAL, "bff", FLOAT_COMPARE, "$0 == $1", "$0 == $1")                                         \
+    X(NOT_EQUAL, "bff", FLOAT_COMPARE, "$0 != $1", "$0 != $1")                                     \
+    X(AND, "bbb", LOGIC, "$0 & $1", "$0 & $1")                                                     \
+    X(OR, "bbb", LOGIC, "$0 | $1", "$0 | $1")                                                      \
+    X(NOT, "bb", LOGIC, "!$0", "~$0")                                                              \
+    X(STRING_EQUAL, "bss", FREE, "$0 == $1", NULL)                                                 \
+    X(ARRAY_LOAD, "ff", FLOAT_MOVE, NULL, NULL)   /* result = array[operand 0] */                  \
+    X(ARRAY_STORE, "0ff", FLOAT_MOVE, NULL, NULL) /* array[operand 0] = operand 1 */               \
+    X(MATERIAL, "f", FREE, NULL, NULL)            /* component `index` of `parameter` */           \
+    X(BOUND, "f", FREE, NULL, NULL)               /* the same, bound */                            \
+    X(BOUND_STRING, "s", FREE, NULL, NULL)                                                         \
+    X(GIVEN, "b", FREE, NULL, NULL)               /* whether `parameter` was given */              \
+    X(POSITION, "f", FREE, NULL, NULL)            /* component `index` */                          \
+    X(INCIDENT, "f", FREE, NULL, NULL)                                                             \
+    X(AMBIENT, "f", FLOAT_MOVE, NULL, NULL)       /* from the communication area of the lights */  \
+    X(LIGHT_DIRECTION, "f", FREE, NULL, NULL)     /* of the light of the illuminance around it */  \
+    X(LIGHT_COLOR, "f", FREE, NULL, NULL)                                                          \
+    X(FROM_CAMERA, "fs", FREE, NULL, NULL)        /* matrix element `index`; operand 0: the space */ \
+    X(TO_CAMERA, "fs", FREE, NULL, NULL)
+
+#endif

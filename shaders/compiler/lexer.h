@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef LEXER_H
+#define LEXER_H
+
+#include "shaders/compiler/compilation.h"
+
+/* Words with a meaning of their own. X(NAME, spelling) */
+#define KEYWORDS(X)                                                                                \
+    X(SURFACE, "surface")                                                                          \
+    X(LIGHT, "light")                                                                              \
+    X(DISPLACEMENT, "displacement")                                                                \
+    X(VOLUME, "volume")                                                                            \
+    X(IMAGER, "imager")                                                                            \
+    X(TRANSFORMATION, "transformation")                                                            \
+    X(FLOAT, "float")                                                                              \
+    X(COLOR, "color")                                                                              \
+    X(POINT, "point")                                                                              \
+    X(VECTOR, "vector")                                                                            \
+    X(NORMAL, "normal")                                                                            \
+    X(MATRIX, "matrix")                                                                            \
+    X(STRING_TYPE, "string")                                                                       \
+    X(VOID, "void")                                                                                \
+    X(UNIFORM, "uniform")                                                                          \
+    X(VARYING, "varying")                                                                          \
+    X(OUTPUT, "output")                                                                            \
+    X(EXTERN, "extern")                                                                            \
+    X(IF, "if")                                                                                    \
+    X(ELSE, "else")                                                                                \
+    X(FOR, "for")                                                                                  \
+    X(WHILE, "while")                                                                              \
+    X(BREAK, "break")                                                                              \
+    X(CONTINUE, "continue")                                                                        \
+    X(RETURN, "return")                                                                            \
+    X(ILLUMINANCE, "illuminance")                                                                  \
+    X(ILLUMINATE, "illuminate")                                                                    \
+    X(SOLAR, "solar")
+
+/* Punctuation of one character is its own kind; these come after. */
+enum token_kind {
+    TOKEN_END = 256,
+    TOKEN_IDENTIFIER,
+    TOKEN_NUMBER,
+    TOKEN_STRING,
+    TOKEN_LESS_EQUAL,
+    TOKEN_GREATER_EQUAL,
+    TOKEN_EQUAL,
+    TOKEN_NOT_EQUAL,
+    TOKEN_AND,
+    TOKEN_OR,
+    TOKEN_ADD_ASSIGN,
+    TOKEN_SUBTRACT_ASSIGN,
+    TOKEN_MULTIPLY_ASSIGN,
+    TOKEN_DIVIDE_ASSIGN,
+#define KEYWORD_ENUM(name, spelling) TOKEN_##name,
+    KEYWORDS(KEYWORD_ENUM)
+#undef KEYWORD_ENUM
+};
+
+struct token {
+    int kind;
+    struct source_location at;
+    const char *text; /* identifier or string contents, NUL-terminated, in the arena */
+    float number;
+};
+
+struct lexer {
+    struct compilation *c;
+    const char *cursor, *end; /* *end is NUL */
+    const char *line_text;
+    const char *file;
+    int line;
+};
+
+/* `text` must be followed by a NUL and outlive the compilation's messages. */
+void lexer_start(struct lexer *lexer, struct compilation *c, const char *file, const char *text,
+                 size_t length);
+/* The next token; at the end TOKEN_END for ever. Bad characters are reported and skipped. */
+void lexer_next(struct lexer *lexer, struct token *token);
+/* How a token kind is called in messages: "'+='", "a number". */
+const char *token_kind_name(int kind, char buffer[24]);
+
+#endif

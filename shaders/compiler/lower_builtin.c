@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/lower.h"
+
+#include <string.h>
+
+struct arguments {
+    int count;
+    struct ir_value value[BUILTIN_ARGUMENTS_MAX];
+    struct ast_expression *expression[BUILTIN_ARGUMENTS_MAX];
+};
+
+static struct ir_value scalar(struct ir_operand operand) {
+    return (struct ir_value){.count = 1, .part = {operand}};
+}
+
+static struct ir_operand op1(struct lowering *l, const struct ast_expression *e, enum ir_operation op,
+                             struct ir_operand a) {
+    return lower_unary(l, &e->at, op, a);
+}
+
+static struct ir_operand op2(struct lowering *l, const struct ast_expression *e, enum ir_operation op,
+                             struct ir_operand a, struct ir_operand b) {
+    return lower_binary(l, &e->at, op, a, b);
+}
+
+/* mod(a, b) = a - b floor(a / b) */
+static struct ir_operand lower_mod(struct lowering *l, const struct ast_expression *e, struct ir_operand a,
+                                   struct ir_operand b) {
+    struct ir_operand whole = op1(l, e, IR_FLOOR, op2(l, e, IR_DIVIDE, a, b));
+    return op2(l, e, IR_SUBTRACT, a, op2(l, e, IR_MULTIPLY, b, whole));
+}
+
+static struct ir_operand lower_sign(struct lowering *l, const struct ast_expression *e, struct ir_operand a) {
+    struct ir_operand below = op2(l, e, IR_LESS, a, ir_float(0)), above = op2(l, e, IR_LESS, ir_float(0), a);
+    struct ir_operand rest = lower_operate(l, &e->at, IR_SELECT, above, ir_float(1), ir_float(0));
+    return lower_operate(l, &e->at, IR_SELECT, below, ir_float(-1), rest);
+}
+
+/* mix(a, b, f) = a (1 - f) + b f, so that f = 1 gives b exactly */
+static struct ir_value lower_mix(struct lowering *l, const struct ast_expression *e,
+                                 const struct ir_value *value) {
+    struct ir_value one = lower_constant(1, value[2].count);
+    struct ir_value rest = lower_each(l, &e->at, IR_SUBTRACT, &one, &value[2]);
+    struct ir_value a = lower_each(l, &e->at, IR_MULTIPLY, &value[0], &rest);
+    struct ir_value b = lower_each(l, &e->at, IR_MULTIPLY, &value[1], &value[2]);
+    return lower_each(l, &e->at, IR_ADD, &a, &b);
+}
+
+/* With a direction of reference the sign of -incident . reference decides, without one the vector's own. */
+static struct ir_value lower_faceforward(struct lowering *l, const struct ast_expression *e,
+                                         const struct arguments *a) {
+    struct ir_operand along = lower_dot(l, &e->at, &a->value[1], &a->value[a->count == 3 ? 2 : 0]);
+    struct ir_operand turns = op2(l, e, IR_LESS, ir_float(0), along);
+    struct ir_value result = {.count = 3};
+    for (int i = 0; i < 3; i++)
+        result.part[i] = lower_operate(l, &e->at, IR_SELECT, turns, op1(l, e, IR_NEGATE, a->value[0].part[i]),
+                                       a->value[0].part[i]);
+    return result;
+}
+
+static struct ir_value lower_noise(struct lowering *l, const struct ast_expression *e,
+                                   const struct arguments *a) {
+    static const enum ir_operation one[] = {IR_NOISE1, IR_NOISE2, IR_NOISE3};
+    static const enum ir_operation three[] = {IR_NOISE1_3, IR_NOISE2_3, IR_NOISE3_3};
+    struct ir_operand x[3] = {{0}};
+    int count = a->count == 2 ? 2 : a->value[0].count;
+    for (int i = 0; i < count; i++)
+        x[i] = a->count == 2 ? a->value[i].part[0] : a->value[0].part[i];
+    if (e->type == TYPE_FLOAT)
+        return scalar(lower_operate(l, &e->at, one[count - 1], x[0], x[1], x[2]));
+    struct ir_value result = {.count = 3};
+    lower_operate(l, &e->at, three[count - 1], x[0], x[1], x[2]);
+    struct ir_node *node = l->list->last;
+    node->results[1] = lower_temporary(l, IR_FLOAT);
+    node->results[2] = lower_temporary(l, IR_FLOAT);
+    for (int i = 0; i < 3; i++)
+        result.part[i] = ir_of(node->results[i]);
+    return result;
+}
+
+/* comp(c, i): the nearest component when i is out of range */
+static struct ir_operand lower_comp(struct lowering *l, const struct ast_expression *e,
+                                    const struct ir_value *value, struct ir_operand index) {
+    if (index.kind == OPERAND_FLOAT)
+        return value->part[index.number >= 2 ? 2 : index.number >= 1 ? 1 : 0];
+    struct ir_operand is_second = op2(l, e, IR_LESS_EQUAL, ir_float(1), index);
+    struct ir_operand is_third = op2(l, e, IR_LESS_EQUAL, ir_float(2), index);
+    struct ir_operand first = lower_operate(l, &e->at, IR_SELECT, is_second, value->part[1], value->part[0]);
+    return lower_operate(l, &e->at, IR_SELECT, is_third, value->part[2], first);
+}
+
+/* setxcomp(v, x) and setcomp(v, i, x) */
+static struct ir_value lower_setcomp(struct lowering *l, const struct ast_expression *e,
+                                     const struct arguments *a, int fixed) {
+    struct ast_expression *target = a->expression[0];
+    struct ir_operand index = fixed >= 0 ? ir_float((float)fixed) : a->value[1].part[0];
+    struct ir_operand number = a->value[a->count - 1].part[0];
+    struct ir_value old = a->value[0], changed = old;
+    if (target->kind != EXPRESSION_NAME) {
+        compile_error(l->c, lower_at(l, &target->at), "components of array elements cannot be set singly");
+        return lower_constant(0, 1);
+    }
+    for (int i = 0; i < 3; i++) {
+        if (index.kind == OPERAND_FLOAT) {
+            int which = index.number >= 2 ? 2 : index.number >= 1 ? 1 : 0;
+            if (i == which)
+                lower_move(l, &e->at, old.part[i].variable, number);
+            continue;
+        }
+        struct ir_operand is_it = op2(l, e, i == 0 ? IR_LESS : IR_LESS_EQUAL, i == 0 ? index : ir_float((float)i),
+                                      i == 0 ? ir_float(1) : index);
+        if (i == 1)
+            is_it = op2(l, e, IR_AND, is_it, op2(l, e, IR_LESS, index, ir_float(2)));
+        changed.part[i] = lower_operate(l, &e->at, IR_SELECT, is_it, number, old.part[i]);
+        lower_move(l, &e->at, old.part[i].variable, changed.part[i]);
+    }
+    return lower_constant(0, 1);
+}
+
+static struct ir_operand space_of(struct lowering *l, const struct arguments *a, int i) {
+    if (a->expression[i]->kind == EXPRESSION_STRING)
+        return lower_space(l, &a->expression[i]->at, a->expression[i]->name);
+    return a->value[i].part[0];
+}
+
+static struct ir_value lower_spaces(struct lowering *l, const struct ast_expression *e,
+                                    const struct arguments *a, enum ast_type type) {
+    struct ir_operand from = a->count == 3 ? space_of(l, a, 0) : ir_string(SHADER_SPACE_CURRENT);
+    struct ir_operand to = space_of(l, a, a->count - 2);
+    return lower_transform(l, &e->at, type, &from, &to, &a->value[a->count - 1]);
+}
+
+static struct ir_value lower_ambient(struct lowering *l, const struct ast_expression *e) {
+    struct ir_value result = {.count = 3};
+    struct ir_operand none = {0};
+    if (l->ir->kind != SHADER_KIND_SURFACE)
+        compile_error(l->c, lower_at(l, &e->at), "ambient() belongs into a surface shader");
+    for (int i = 0; i < 3; i++) {
+        result.part[i] = lower_operate(l, &e->at, IR_AMBIENT, none, none, none);
+        l->list->last->index = i;
+    }
+    return result;
+}
+
+/* min, max of two and more; clamp(x, low, high) = min(max(x, low), high) */
+static struct ir_value lower_extreme(struct lowering *l, const struct ast_expression *e,
+                                     const struct arguments *a, enum ir_operation op) {
+    struct ir_value result = a->value[0];
+    for (int i = 1; i < a->count; i++)
+        result = lower_each(l, &e->at, op, &result, &a->value[i]);
+    return result;
+}
+
+static struct ir_value lower_one_float(struct lowering *l, const struct ast_expression *e,
+                                       const struct arguments *a) {
+    struct ir_operand x = a->value[0].part[0], y = a->count > 1 ? a->value[1].part[0] : x;
+    switch (e->builtin->id) {
+    case BUILTIN_RADIANS:
+        return scalar(op2(l, e, IR_MULTIPLY, x, ir_float(0x1.1df46ap-6f)));
+    case BUILTIN_DEGREES:
+        return scalar(op2(l, e, IR_MULTIPLY, x, ir_float(0x1.ca5dc2p+5f)));
+    case BUILTIN_SIN:
+        return scalar(op1(l, e, IR_SIN, x));
+    case BUILTIN_COS:
+        return scalar(op1(l, e, IR_COS, x));
+    case BUILTIN_TAN:
+        return scalar(op1(l, e, IR_TAN, x));
+    case BUILTIN_ASIN:
+        return scalar(op1(l, e, IR_ASIN, x));
+    case BUILTIN_ACOS:
+        return scalar(op1(l, e, IR_ACOS, x));
+    case BUILTIN_ATAN:
+        return scalar(a->count == 2 ? op2(l, e, IR_ATAN2, x, y) : op1(l, e, IR_ATAN, x));
+    case BUILTIN_POW:
+        return scalar(op2(l, e, IR_POW, x, y));
+    case BUILTIN_EXP:
+        return scalar(op1(l, e, IR_EXP, x));
+    case BUILTIN_SQRT:
+        return scalar(op1(l, e, IR_SQRT, x));
+    case BUILTIN_INVERSESQRT:
+        return scalar(op2(l, e, IR_DIVIDE, ir_float(1), op1(l, e, IR_SQRT, x)));
+    case BUILTIN_LOG:
+        x = op1(l, e, IR_LOG, x);
+        return scalar(a->count == 2 ? op2(l, e, IR_DIVIDE, x, op1(l, e, IR_LOG, y)) : x);
+    case BUILTIN_MOD:
+        return scalar(lower_mod(l, e, x, y));
+    case BUILTIN_ABS:
+        return scalar(op1(l, e, IR_ABS, x));
+    case BUILTIN_SIGN:
+        return scalar(lower_sign(l, e, x));
+    case BUILTIN_FLOOR:
+        return scalar(op1(l, e, IR_FLOOR, x));
+    case BUILTIN_CEIL:
+        return scalar(op1(l, e, IR_CEIL, x));
+    case BUILTIN_ROUND:
+        return scalar(op1(l, e, IR_ROUND, x));
+    case BUILTIN_STEP: /* step(limit, x): 0 below the limit, 1 from there on */
+        return scalar(lower_operate(l, &e->at, IR_SELECT, op2(l, e, IR_LESS, y, x), ir_float(0), ir_float(1)));
+    default:
+        return lower_constant(0, ast_type_width(e->type));
+    }
+}
+
+struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
+    struct arguments a = {0};
+    struct ir_value difference;
+    const char *to;
+    for (struct ast_expression *x = e->arguments; x && e->builtin->id != BUILTIN_PRINTF; x = x->next) {
+        a.expression[a.count] = x;
+        a.value[a.count++] = lower_expression(l, x);
+    }
+    switch (e->builtin->id) {
+    case BUILTIN_MIN:
+        return lower_extreme(l, e, &a, IR_MIN);
+    case BUILTIN_MAX:
+        return lower_extreme(l, e, &a, IR_MAX);
+    case BUILTIN_CLAMP:
+        difference = lower_each(l, &e->at, IR_MAX, &a.value[0], &a.value[1]);
+        return lower_each(l, &e->at, IR_MIN, &difference, &a.value[2]);
+    case BUILTIN_MIX:
+        return lower_mix(l, e, a.value);
+    case BUILTIN_NOISE:
+        return lower_noise(l, e, &a);
+    case BUILTIN_XCOMP:
+        return scalar(a.value[0].part[0]);
+    case BUILTIN_YCOMP:
+        return scalar(a.value[0].part[1]);
+    case BUILTIN_ZCOMP:
+        return scalar(a.value[0].part[2]);
+    case BUILTIN_COMP:
+        return scalar(lower_comp(l, e, &a.value[0], a.value[1].part[0]));
+    case BUILTIN_SETXCOMP:
+    case BUILTIN_SETYCOMP:
+    case BUILTIN_SETZCOMP:
+        return lower_setcomp(l, e, &a, (int)e->builtin->id - BUILTIN_SETXCOMP);
+    case BUILTIN_SETCOMP:
+        return lower_setcomp(l, e, &a, -1);
+    case BUILTIN_LENGTH:
+        return scalar(lower_length(l, &e->at, &a.value[0]));
+    case BUILTIN_NORMALIZE:
+        return lower_normalize(l, &e->at, &a.value[0]);
+    case BUILTIN_DISTANCE:
+        difference = lower_each(l, &e->at, IR_SUBTRACT, &a.value[0], &a.value[1]);
+        return scalar(lower_length(l, &e->at, &difference));
+    case BUILTIN_FACEFORWARD:
+        return lower_faceforward(l, e, &a);
+    case BUILTIN_TRANSFORM:
+        return lower_spaces(l, e, &a, TYPE_POINT);
+    case BUILTIN_VTRANSFORM:
+        return lower_spaces(l, e, &a, TYPE_VECTOR);
+    case BUILTIN_NTRANSFORM:
+        return lower_spaces(l, e, &a, TYPE_NORMAL);
+    case BUILTIN_CTRANSFORM:
+        to = a.expression[a.count - 2]->name;
+        return lower_color_space(l, e, a.count == 3 ? a.expression[0]->name : "rgb", to, &a.value[a.count - 1]);
+    case BUILTIN_AMBIENT:
+        return lower_ambient(l, e);
+    case BUILTIN_PRINTF:
+        return lower_constant(0, 1);
+    default:
+        return lower_one_float(l, e, &a);
+    }
+}

@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/lexer.h"
+#include "shaders/compiler/lower.h"
+
+/* The same value in as many scalars as the type has. */
+static struct ir_value widen(const struct ir_value *value, enum ast_type type) {
+    struct ir_value wide = *value;
+    wide.count = ast_type_width(type);
+    for (int i = 0; i < wide.count; i++)
+        wide.part[i] = value->part[value->count == 1 ? 0 : i];
+    return wide;
+}
+
+static bool is_spaceless_geometry(const struct ast_expression *e, enum ast_type type) {
+    return ast_type_is_geometric(type) &&
+           (e->kind == EXPRESSION_TUPLE || e->type == TYPE_FLOAT);
+}
+
+/* In the default value of a parameter (x, y, z) is in shader space, elsewhere in current space. */
+static struct ir_value into_current(struct lowering *l, const struct source_location *at, enum ast_type type,
+                                    const struct ir_value *value) {
+    struct ir_operand from = ir_string(SHADER_SPACE_SHADER), to = ir_string(SHADER_SPACE_CURRENT);
+    return lower_transform(l, at, type, &from, &to, value);
+}
+
+static struct ir_value lower_convert(struct lowering *l, struct ast_expression *e) {
+    struct ir_value value = lower_expression(l, e->left);
+    enum ast_type from = e->left->type;
+    if (from == TYPE_FLOAT && e->type == TYPE_BOOL)
+        value.part[0] = lower_binary(l, &e->at, IR_NOT_EQUAL, value.part[0], ir_float(0));
+    else if (from == TYPE_BOOL && e->type != TYPE_BOOL)
+        value.part[0] =
+            lower_operate(l, &e->at, IR_SELECT, value.part[0], ir_float(1), ir_float(0));
+    value = widen(&value, e->type);
+    if (l->in_default && from == TYPE_FLOAT && ast_type_is_geometric(e->type))
+        return into_current(l, &e->at, e->type, &value);
+    return value;
+}
+
+static struct ir_value lower_tuple(struct lowering *l, struct ast_expression *e) {
+    struct ir_value value = {.count = 3};
+    int i = 0;
+    for (struct ast_expression *a = e->arguments; a && i < 3; a = a->next)
+        value.part[i++] = lower_expression(l, a).part[0];
+    if (l->in_default && ast_type_is_geometric(e->type))
+        return into_current(l, &e->at, e->type, &value);
+    return value;
+}
+
+static struct ir_value lower_cast(struct lowering *l, struct ast_expression *e) {
+    bool in_default = l->in_default;
+    bool takes_space = is_spaceless_geometry(e->left, e->type);
+    l->in_default = in_default && !takes_space; /* the cast says or implies the space of what it holds */
+    struct ir_value value = lower_expression(l, e->left);
+    l->in_default = in_default;
+    if (e->left->type == TYPE_BOOL)
+        value.part[0] =
+            lower_operate(l, &e->at, IR_SELECT, value.part[0], ir_float(1), ir_float(0));
+    value = widen(&value, e->type);
+    if (e->name && e->type == TYPE_COLOR)
+        return lower_color_space(l, e, e->name, "rgb", &value);
+    if (e->name && ast_type_is_geometric(e->type)) {
+        struct ir_operand from = lower_space(l, &e->at, e->name), to = ir_string(SHADER_SPACE_CURRENT);
+        return lower_transform(l, &e->at, e->type, &from, &to, &value);
+    }
+    if (in_default && takes_space)
+        return into_current(l, &e->at, e->type, &value);
+    return value;
+}
+
+static struct ir_value lower_unary_expression(struct lowering *l, struct ast_expression *e) {
+    struct ir_value value = lower_expression(l, e->left);
+    for (int i = 0; i < value.count; i++) {
+        if (value.part[i].kind == OPERAND_FLOAT)
+            value.part[i].number = -value.part[i].number;
+        else
+            value.part[i] = lower_unary(l, &e->at, e->operator== '!' ? IR_NOT : IR_NEGATE, value.part[i]);
+    }
+    return value;
+}
+
+static struct ir_value lower_cross(struct lowering *l, const struct source_location *at,
+                                   const struct ir_value *a, const struct ir_value *b) {
+    struct ir_value value = {.count = 3};
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        value.part[i] = lower_binary(l, at, IR_SUBTRACT,
+                                     lower_binary(l, at, IR_MULTIPLY, a->part[j], b->part[k]),
+                                     lower_binary(l, at, IR_MULTIPLY, a->part[k], b->part[j]));
+    }
+    return value;
+}
+
+static struct ir_value scalar(struct ir_operand operand) {
+    return (struct ir_value){.count = 1, .part = {operand}};
+}
+
+static struct ir_value lower_equality(struct lowering *l, struct ast_expression *e, const struct ir_value *a,
+                                      const struct ir_value *b) {
+    bool is_equal = e->operator== TOKEN_EQUAL;
+    if (e->left->type == TYPE_STRING) {
+        struct ir_operand same = lower_binary(l, &e->at, IR_STRING_EQUAL, a->part[0], b->part[0]);
+        return scalar(is_equal ? same : lower_unary(l, &e->at, IR_NOT, same));
+    }
+    struct ir_value each = lower_each(l, &e->at, is_equal ? IR_EQUAL : IR_NOT_EQUAL, a, b);
+    struct ir_operand all = each.part[0];
+    for (int i = 1; i < each.count; i++)
+        all = lower_binary(l, &e->at, is_equal ? IR_AND : IR_OR, all, each.part[i]);
+    return scalar(all);
+}
+
+static enum ir_operation arithmetic(int operator) {
+    switch (operator) {
+    case '+':
+        return IR_ADD;
+    case '-':
+        return IR_SUBTRACT;
+    case '*':
+        return IR_MULTIPLY;
+    default:
+        return IR_DIVIDE;
+    }
+}
+
+static struct ir_value lower_binary_expression(struct lowering *l, struct ast_expression *e) {
+    struct ir_value a = lower_expression(l, e->left), b = lower_expression(l, e->right);
+    switch (e->operator) {
+    case TOKEN_AND:
+        return scalar(lower_binary(l, &e->at, IR_AND, a.part[0], b.part[0]));
+    case TOKEN_OR:
+        return scalar(lower_binary(l, &e->at, IR_OR, a.part[0], b.part[0]));
+    case '<':
+        return scalar(lower_binary(l, &e->at, IR_LESS, a.part[0], b.part[0]));
+    case '>':
+        return scalar(lower_binary(l, &e->at, IR_LESS, b.part[0], a.part[0]));
+    case TOKEN_LESS_EQUAL:
+        return scalar(lower_binary(l, &e->at, IR_LESS_EQUAL, a.part[0], b.part[0]));
+    case TOKEN_GREATER_EQUAL:
+        return scalar(lower_binary(l, &e->at, IR_LESS_EQUAL, b.part[0], a.part[0]));
+    case TOKEN_EQUAL:
+    case TOKEN_NOT_EQUAL:
+        return lower_equality(l, e, &a, &b);
+    case '.':
+        return scalar(lower_dot(l, &e->at, &a, &b));
+    case '^':
+        return lower_cross(l, &e->at, &a, &b);
+    }
+    return lower_each(l, &e->at, arithmetic(e->operator), &a, &b);
+}
+
+/* Whether evaluating costs little and changes nothing, so that both sides of ?: may run. */
+static bool is_simple(const struct ast_expression *e) {
+    switch (e->kind) {
+    case EXPRESSION_NUMBER:
+    case EXPRESSION_NAME:
+        return true;
+    case EXPRESSION_UNARY:
+    case EXPRESSION_CONVERT:
+        return is_simple(e->left);
+    case EXPRESSION_CAST:
+        return !e->name && is_simple(e->left);
+    case EXPRESSION_BINARY:
+        return is_simple(e->left) && is_simple(e->right);
+    case EXPRESSION_TUPLE:
+        for (const struct ast_expression *a = e->arguments; a; a = a->next)
+            if (!is_simple(a))
+                return false;
+        return true;
+    default:
+        return false;
+    }
+}
+
+static struct ir_value lower_conditional(struct lowering *l, struct ast_expression *e) {
+    struct ir_value condition = lower_expression(l, e->left);
+    struct ir_value value = {.count = ast_type_width(e->type)};
+    if (lower_type(e->type) == IR_FLOAT && is_simple(e->right) && is_simple(e->third)) {
+        struct ir_value a = lower_expression(l, e->right), b = lower_expression(l, e->third);
+        for (int i = 0; i < value.count; i++)
+            value.part[i] = lower_operate(l, &e->at, IR_SELECT, condition.part[0], a.part[i], b.part[i]);
+        return value;
+    }
+    for (int i = 0; i < value.count; i++)
+        value.part[i] = ir_of(ir_variable_new(l->ir, l->list, lower_type(e->type), NULL));
+    if (e->type == TYPE_STRING)
+        value.part[0].variable->is_declared_uniform = true;
+    struct ir_node *node = lower_control(l, NODE_IF, &e->at);
+    struct ir_list *list = l->list, *scope = l->scope;
+    node->condition = condition.part[0];
+    node->otherwise = ir_list_new(l->ir, node);
+    for (int side = 0; side < 2; side++) {
+        l->list = l->scope = side ? node->otherwise : node->body;
+        struct ir_value one = lower_expression(l, side ? e->third : e->right);
+        lower_assign(l, &e->at, &value, &one);
+    }
+    l->list = list;
+    l->scope = scope;
+    return value;
+}
+
+static void lower_store(struct lowering *l, struct ast_expression *target, struct ir_value *array,
+                        struct ir_operand index, const struct ir_value *from) {
+    for (int i = 0; i < array->count; i++) {
+        struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &target->at));
+        node->operation = IR_ARRAY_STORE;
+        node->array = array->part[i].variable;
+        node->operands[0] = index;
+        node->operands[1] = from->part[from->count == 1 ? 0 : i];
+    }
+}
+
+static struct ir_value lower_load(struct lowering *l, const struct source_location *at,
+                                  struct ir_value *array, struct ir_operand index) {
+    struct ir_value value = {.count = array->count};
+    struct ir_operand none = {0};
+    for (int i = 0; i < array->count; i++) {
+        value.part[i] = lower_operate(l, at, IR_ARRAY_LOAD, index, none, none);
+        l->list->last->array = array->part[i].variable;
+    }
+    return value;
+}
+
+static struct ir_value lower_assignment(struct lowering *l, struct ast_expression *e) {
+    struct ir_value right = lower_expression(l, e->right);
+    struct ir_value target = *lower_symbol(l, e->left->symbol, &e->left->at);
+    struct ir_value index = {0};
+    bool is_element = e->left->kind == EXPRESSION_INDEX;
+    if (is_element)
+        index = lower_expression(l, e->left->right);
+    if (e->operator) {
+        struct ir_value left = is_element ? lower_load(l, &e->at, &target, index.part[0]) : target;
+        right = lower_each(l, &e->at, arithmetic(e->operator), &left, &right);
+    }
+    right = widen(&right, e->type);
+    if (is_element)
+        lower_store(l, e->left, &target, index.part[0], &right);
+    else
+        lower_assign(l, &e->at, &target, &right);
+    return right;
+}
+
+struct ir_value lower_expression(struct lowering *l, struct ast_expression *e) {
+    switch (e->kind) {
+    case EXPRESSION_NUMBER:
+        return scalar(ir_float(e->number));
+    case EXPRESSION_STRING:
+        return scalar(ir_string(shader_string_identity(e->name)));
+    case EXPRESSION_NAME:
+        return *lower_symbol(l, e->symbol, &e->at);
+    case EXPRESSION_INDEX: {
+        struct ir_value array = *lower_symbol(l, e->symbol, &e->at);
+        return lower_load(l, &e->at, &array, lower_expression(l, e->right).part[0]);
+    }
+    case EXPRESSION_TUPLE:
+        return lower_tuple(l, e);
+    case EXPRESSION_UNARY:
+        return lower_unary_expression(l, e);
+    case EXPRESSION_BINARY:
+        return lower_binary_expression(l, e);
+    case EXPRESSION_CONDITIONAL:
+        return lower_conditional(l, e);
+    case EXPRESSION_ASSIGN:
+        return lower_assignment(l, e);
+    case EXPRESSION_CAST:
+        return lower_cast(l, e);
+    case EXPRESSION_CONVERT:
+        return lower_convert(l, e);
+    case EXPRESSION_CALL:
+        return e->function ? lower_user_call(l, e) : lower_builtin(l, e);
+    }
+    return lower_constant(0, 1);
+}

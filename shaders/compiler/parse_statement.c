@@ -1,0 +1,461 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/parser.h"
+
+#include <math.h>
+#include <string.h>
+
+void parser_advance(struct parser *p) {
+    p->token = p->ahead;
+    p->ahead = p->second;
+    lexer_next(&p->lexer, &p->second);
+}
+
+bool parser_accept(struct parser *p, int kind) {
+    if (p->token.kind != kind)
+        return false;
+    parser_advance(p);
+    return true;
+}
+
+void parser_complain(struct parser *p, const struct source_location *at, const char *text) {
+    if (!p->is_panicking)
+        compile_error(p->c, at, "%s", text);
+    p->is_panicking = true;
+}
+
+bool parser_expect(struct parser *p, int kind) {
+    char wanted[24], found[24];
+    if (p->is_panicking)
+        return false;
+    if (parser_accept(p, kind))
+        return true;
+    compile_error(p->c, &p->token.at, "expected %s before %s", token_kind_name(kind, wanted),
+                  token_kind_name(p->token.kind, found));
+    p->is_panicking = true;
+    return false;
+}
+
+void parser_enter(struct parser *p) {
+    if (++p->nesting > NESTING_MAX)
+        compile_limit(p->c, &p->token.at, "nested more than %d deep", NESTING_MAX);
+}
+
+void parser_leave(struct parser *p) {
+    p->nesting--;
+}
+
+bool parser_type(const struct parser *p, int kind, enum ast_type *type) {
+    switch (kind) {
+    case TOKEN_FLOAT:
+        *type = TYPE_FLOAT;
+        return true;
+    case TOKEN_COLOR:
+        *type = TYPE_COLOR;
+        return true;
+    case TOKEN_POINT:
+        *type = TYPE_POINT;
+        return true;
+    case TOKEN_VECTOR:
+        *type = TYPE_VECTOR;
+        return true;
+    case TOKEN_NORMAL:
+        *type = TYPE_NORMAL;
+        return true;
+    case TOKEN_STRING_TYPE:
+        *type = TYPE_STRING;
+        return true;
+    case TOKEN_VOID:
+        *type = TYPE_VOID;
+        return true;
+    case TOKEN_MATRIX:
+        *type = TYPE_ERROR;
+        return true;
+    }
+    return false;
+}
+
+/* After an error: up to and including the next ';', or up to a '}' or the end. */
+static void recover(struct parser *p) {
+    while (p->token.kind != TOKEN_END && p->token.kind != '}') {
+        if (parser_accept(p, ';'))
+            break;
+        parser_advance(p);
+    }
+    p->is_panicking = false;
+}
+
+static struct ast_statement *new_statement(struct parser *p, enum ast_statement_kind kind) {
+    struct ast_statement *s = compilation_get(p->c, sizeof *s);
+    s->kind = kind;
+    s->at = p->token.at;
+    return s;
+}
+
+struct declaration {
+    enum ast_type type;
+    enum ast_storage storage;
+    bool is_output, is_extern;
+};
+
+/* {'extern' | 'output' | 'uniform' | 'varying'} */
+static void parse_qualifiers(struct parser *p, struct declaration *d) {
+    for (;; parser_advance(p)) {
+        if (p->token.kind == TOKEN_EXTERN)
+            d->is_extern = true;
+        else if (p->token.kind == TOKEN_OUTPUT)
+            d->is_output = true;
+        else if (p->token.kind == TOKEN_UNIFORM)
+            d->storage = STORAGE_UNIFORM;
+        else if (p->token.kind == TOKEN_VARYING)
+            d->storage = STORAGE_VARYING;
+        else
+            return;
+    }
+}
+
+static bool is_qualifier(int kind) {
+    return kind == TOKEN_EXTERN || kind == TOKEN_OUTPUT || kind == TOKEN_UNIFORM ||
+           kind == TOKEN_VARYING;
+}
+
+/* qualifiers type qualifiers */
+static void parse_declaration_type(struct parser *p, struct declaration *d) {
+    parse_qualifiers(p, d);
+    if (parser_type(p, p->token.kind, &d->type)) {
+        if (p->token.kind == TOKEN_MATRIX)
+            parser_complain(p, &p->token.at, "type matrix is not supported yet");
+        parser_advance(p);
+    } else {
+        parser_complain(p, &p->token.at, "expected a type");
+    }
+    parse_qualifiers(p, d);
+}
+
+/* '[' [number] ']' ['=' '{' expression {',' expression} '}'] */
+static void parse_array(struct parser *p, struct ast_symbol *symbol) {
+    parser_expect(p, '[');
+    symbol->array_length = -1;
+    if (p->token.kind == TOKEN_NUMBER) {
+        float length = p->token.number;
+        if (!(length >= 1 && length <= ARRAY_FLOATS_MAX) || length != floorf(length))
+            parser_complain(p, &p->token.at, "an array length is a whole number from 1 to 65536");
+        else
+            symbol->array_length = (int)length;
+        parser_advance(p);
+    }
+    parser_expect(p, ']');
+    if (p->token.kind != '=' || p->is_panicking)
+        return;
+    parser_advance(p);
+    parser_expect(p, '{');
+    struct ast_expression **link = &symbol->elements;
+    int count = 0;
+    while (!p->is_panicking && p->token.kind != '}') {
+        *link = parse_assignment(p);
+        link = &(*link)->next;
+        count++;
+        if (!parser_accept(p, ','))
+            break;
+    }
+    parser_expect(p, '}');
+    if (symbol->array_length < 0 && count)
+        symbol->array_length = count;
+    if (count > symbol->array_length)
+        parser_complain(p, &symbol->at, "more initial values than elements");
+}
+
+/* name [array | '=' expression] */
+static struct ast_symbol *parse_declarator(struct parser *p, const struct declaration *d) {
+    struct ast_symbol *symbol = compilation_get(p->c, sizeof *symbol);
+    symbol->at = p->token.at;
+    symbol->name = p->token.kind == TOKEN_IDENTIFIER ? p->token.text : "?";
+    symbol->type = d->type;
+    symbol->storage = d->storage;
+    symbol->is_output = d->is_output;
+    parser_expect(p, TOKEN_IDENTIFIER);
+    if (p->token.kind == '[')
+        parse_array(p, symbol);
+    else if (parser_accept(p, '='))
+        symbol->initial = parse_assignment(p);
+    if (d->type == TYPE_VOID)
+        parser_complain(p, &symbol->at, "a variable cannot be void");
+    return symbol;
+}
+
+/* '(' [declaration-type declarator {',' declarator} {';' ...}] ')' */
+static void parse_formals(struct parser *p, struct ast_function *function) {
+    struct ast_symbol **link = &function->formals;
+    parser_expect(p, '(');
+    while (!p->is_panicking && p->token.kind != ')') {
+        if (parser_accept(p, ';') || parser_accept(p, ','))
+            continue;
+        struct declaration d = {TYPE_ERROR, STORAGE_UNSAID, false, false};
+        parse_declaration_type(p, &d);
+        do {
+            enum ast_type type;
+            if (parser_type(p, p->token.kind, &type) || is_qualifier(p->token.kind))
+                break; /* f(float a, float b) as well as f(float a, b) */
+            *link = parse_declarator(p, &d);
+            if (function->is_shader)
+                (*link)->is_parameter = true;
+            else
+                (*link)->is_formal = true;
+            link = &(*link)->next;
+            function->formal_count++;
+        } while (!p->is_panicking && parser_accept(p, ','));
+    }
+    parser_expect(p, ')');
+}
+
+static struct ast_statement *parse_statement(struct parser *p);
+
+/* '{' {statement} '}' */
+static struct ast_statement *parse_body(struct parser *p) {
+    struct ast_statement *first = NULL, **link = &first;
+    if (!parser_expect(p, '{'))
+        return NULL;
+    while (p->token.kind != '}' && p->token.kind != TOKEN_END) {
+        *link = parse_statement(p);
+        if (p->is_panicking)
+            recover(p);
+        link = &(*link)->next;
+    }
+    parser_expect(p, '}');
+    return first;
+}
+
+/* name formals body */
+static struct ast_function *parse_function(struct parser *p, enum ast_type type, bool is_shader) {
+    struct ast_function *function = compilation_get(p->c, sizeof *function);
+    function->type = type;
+    function->is_shader = is_shader;
+    function->at = p->token.at;
+    function->name = p->token.kind == TOKEN_IDENTIFIER ? p->token.text : "?";
+    parser_expect(p, TOKEN_IDENTIFIER);
+    parse_formals(p, function);
+    if (p->is_panicking) /* the body may still be worth reading */
+        while (p->token.kind != '{' && p->token.kind != TOKEN_END)
+            parser_advance(p);
+    p->is_panicking = false;
+    function->body = parse_body(p);
+    return function;
+}
+
+/* declaration-type declarator {',' declarator} ';' | type function */
+static struct ast_statement *parse_declaration(struct parser *p) {
+    struct ast_statement *group = new_statement(p, STATEMENT_BLOCK), **link = &group->body;
+    struct declaration d = {TYPE_ERROR, STORAGE_UNSAID, false, false};
+    parse_declaration_type(p, &d);
+    if (!p->is_panicking && p->token.kind == TOKEN_IDENTIFIER && p->ahead.kind == '(') {
+        group->kind = STATEMENT_FUNCTION;
+        group->function = parse_function(p, d.type, false);
+        return group;
+    }
+    do {
+        struct ast_statement *s = new_statement(p, STATEMENT_DECLARE);
+        s->symbol = parse_declarator(p, &d);
+        if (!d.is_extern) { /* enclosing variables are visible anyway */
+            *link = s;
+            link = &s->next;
+        }
+    } while (!p->is_panicking && parser_accept(p, ','));
+    parser_expect(p, ';');
+    return group;
+}
+
+/* 'if' '(' expression ')' statement ['else' statement] */
+static struct ast_statement *parse_if(struct parser *p) {
+    struct ast_statement *s = new_statement(p, STATEMENT_IF);
+    parser_advance(p);
+    parser_expect(p, '(');
+    s->expression = parse_expression(p);
+    parser_expect(p, ')');
+    s->body = parse_statement(p);
+    if (p->is_panicking && p->token.kind != TOKEN_ELSE)
+        return s;
+    if (parser_accept(p, TOKEN_ELSE))
+        s->otherwise = parse_statement(p);
+    return s;
+}
+
+/* 'while' '(' expression ')' statement
+ * | 'for' '(' [expression] ';' [expression] ';' [expression] ')' statement */
+static struct ast_statement *parse_loop(struct parser *p) {
+    struct ast_statement *s = new_statement(p, STATEMENT_FOR);
+    bool is_for = p->token.kind == TOKEN_FOR;
+    parser_advance(p);
+    parser_expect(p, '(');
+    if (is_for) {
+        if (p->token.kind != ';')
+            s->initial = parse_expression(p);
+        parser_expect(p, ';');
+    }
+    if (!is_for || p->token.kind != ';')
+        s->expression = parse_expression(p);
+    if (is_for) {
+        parser_expect(p, ';');
+        if (p->token.kind != ')')
+            s->step = parse_expression(p);
+    }
+    parser_expect(p, ')');
+    s->body = parse_statement(p);
+    return s;
+}
+
+/* ('break' | 'continue') [number] ';' */
+static struct ast_statement *parse_jump(struct parser *p, enum ast_statement_kind kind) {
+    struct ast_statement *s = new_statement(p, kind);
+    s->level = 1;
+    parser_advance(p);
+    if (p->token.kind == TOKEN_NUMBER) {
+        float level = p->token.number;
+        if (!(level >= 1 && level <= NESTING_MAX) || level != floorf(level))
+            parser_complain(p, &p->token.at, "expected a number of loops");
+        else
+            s->level = (int)level;
+        parser_advance(p);
+    }
+    parser_expect(p, ';');
+    return s;
+}
+
+/* 'return' [expression] ';' */
+static struct ast_statement *parse_return(struct parser *p) {
+    struct ast_statement *s = new_statement(p, STATEMENT_RETURN);
+    parser_advance(p);
+    if (p->token.kind != ';')
+        s->expression = parse_expression(p);
+    parser_expect(p, ';');
+    return s;
+}
+
+/* ('illuminance' | 'illuminate' | 'solar') arguments statement */
+static struct ast_statement *parse_lighting(struct parser *p, enum ast_statement_kind kind) {
+    struct ast_statement *s = new_statement(p, kind);
+    parser_advance(p);
+    s->arguments = parse_arguments(p, &s->argument_count);
+    s->body = parse_statement(p);
+    return s;
+}
+
+/* expression ';' */
+static struct ast_statement *parse_expression_statement(struct parser *p) {
+    struct ast_statement *s = new_statement(p, STATEMENT_EXPRESSION);
+    s->expression = parse_expression(p);
+    parser_expect(p, ';');
+    return s;
+}
+
+static struct ast_statement *parse_block(struct parser *p) {
+    struct ast_statement *s = new_statement(p, STATEMENT_BLOCK);
+    s->is_scope = true;
+    s->body = parse_body(p);
+    return s;
+}
+
+static struct ast_statement *parse_statement_inner(struct parser *p) {
+    enum ast_type type;
+    switch (p->token.kind) {
+    case ';': {
+        struct ast_statement *s = new_statement(p, STATEMENT_EMPTY);
+        parser_advance(p);
+        return s;
+    }
+    case '{':
+        return parse_block(p);
+    case TOKEN_IF:
+        return parse_if(p);
+    case TOKEN_WHILE:
+    case TOKEN_FOR:
+        return parse_loop(p);
+    case TOKEN_BREAK:
+        return parse_jump(p, STATEMENT_BREAK);
+    case TOKEN_CONTINUE:
+        return parse_jump(p, STATEMENT_CONTINUE);
+    case TOKEN_RETURN:
+        return parse_return(p);
+    case TOKEN_ILLUMINANCE:
+        return parse_lighting(p, STATEMENT_ILLUMINANCE);
+    case TOKEN_ILLUMINATE:
+        return parse_lighting(p, STATEMENT_ILLUMINATE);
+    case TOKEN_SOLAR:
+        return parse_lighting(p, STATEMENT_SOLAR);
+    }
+    if (is_qualifier(p->token.kind) ||
+        (parser_type(p, p->token.kind, &type) && p->ahead.kind == TOKEN_IDENTIFIER) ||
+        (parser_type(p, p->token.kind, &type) && is_qualifier(p->ahead.kind)))
+        return parse_declaration(p);
+    return parse_expression_statement(p);
+}
+
+/* Every statement; see parse_* for the forms. */
+static struct ast_statement *parse_statement(struct parser *p) {
+    parser_enter(p);
+    struct ast_statement *s = parse_statement_inner(p);
+    parser_leave(p);
+    return s;
+}
+
+static bool parse_shader_kind(struct parser *p, enum shader_kind *kind) {
+    switch (p->token.kind) {
+    case TOKEN_SURFACE:
+        *kind = SHADER_KIND_SURFACE;
+        return true;
+    case TOKEN_LIGHT:
+        *kind = SHADER_KIND_LIGHT;
+        return true;
+    case TOKEN_DISPLACEMENT:
+    case TOKEN_VOLUME:
+    case TOKEN_IMAGER:
+    case TOKEN_TRANSFORMATION:
+        compile_error(p->c, &p->token.at, "%s shaders are not supported", p->token.text);
+        compilation_stop(p->c);
+    }
+    return false;
+}
+
+/* {[type] name formals body} ('surface' | 'light') name formals body {functions} */
+struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text, size_t length,
+                            bool is_prelude) {
+    struct parser parser = {.c = c}, *p = &parser;
+    struct ast_unit *unit = compilation_get(c, sizeof *unit);
+    struct ast_function **link = &unit->functions;
+    lexer_start(&p->lexer, c, file, text, length);
+    for (int i = 0; i < 3; i++)
+        parser_advance(p);
+    while (p->token.kind != TOKEN_END) {
+        enum shader_kind kind = SHADER_KIND_SURFACE;
+        if (parse_shader_kind(p, &kind)) {
+            if (unit->shader)
+                compile_limit(c, &p->token.at, "one shader per file; the first is %.64s",
+                              unit->shader->name);
+            parser_advance(p);
+            unit->kind = kind;
+            unit->shader = parse_function(p, TYPE_VOID, true);
+        } else if (p->token.kind == TOKEN_IDENTIFIER && p->ahead.kind == '(') {
+            *link = parse_function(p, TYPE_FLOAT, false); /* RSL: the default result is a float */
+            link = &(*link)->next;
+        } else {
+            struct declaration d = {TYPE_ERROR, STORAGE_UNSAID, false, false};
+            if (p->token.kind == ';') {
+                parser_advance(p);
+                continue;
+            }
+            parse_declaration_type(p, &d);
+            if (!p->is_panicking && p->ahead.kind == '(') {
+                *link = parse_function(p, d.type, false);
+                (*link)->is_prelude = is_prelude;
+                link = &(*link)->next;
+            } else {
+                parser_complain(p, &p->token.at, "expected a function or a shader");
+            }
+        }
+        if (p->is_panicking) {
+            recover(p);
+            parser_accept(p, '}');
+        }
+    }
+    if (!unit->shader && !is_prelude && !c->error_count)
+        compile_error(c, &p->token.at, "there is no surface or light shader in this file");
+    return unit;
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef PARSER_H
+#define PARSER_H
+
+#include "shaders/compiler/ast.h"
+#include "shaders/compiler/lexer.h"
+
+/* Recursive descent with three tokens of view. After an error the parser is in panic: it reports nothing
+ * until parser_recover has found the end of a statement. */
+struct parser {
+    struct compilation *c;
+    struct lexer lexer;
+    struct token token, ahead, second;
+    int nesting;
+    bool is_panicking;
+};
+
+void parser_advance(struct parser *p);
+bool parser_accept(struct parser *p, int kind);
+/* Reports "expected X before Y" unless the token is there. */
+bool parser_expect(struct parser *p, int kind);
+void parser_complain(struct parser *p, const struct source_location *at, const char *text);
+/* Every recursive function calls these in pairs; enter stops the compilation at NESTING_MAX. */
+void parser_enter(struct parser *p);
+void parser_leave(struct parser *p);
+bool parser_type(const struct parser *p, int kind, enum ast_type *type);
+
+struct ast_expression *parse_expression(struct parser *p);
+struct ast_expression *parse_assignment(struct parser *p);
+/* '(' [expression {',' expression}] ')' */
+struct ast_expression *parse_arguments(struct parser *p, int *count);
+
+#endif

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/ir.h"
+
+/* A variable that is only ever a copy of something that does not change is replaced by that something:
+ * `normal n = N;` costs no pixel memory and no moves. */
+
+static void count_write(struct ir_variable *variable, void *context) {
+    variable->definition_count++;
+    variable->definition = context;
+}
+
+static void number_node(struct ir_node *node, void *context) {
+    int *order = context;
+    node->order = ++*order;
+    ir_each_write(node, count_write, node);
+}
+
+/* Whether the variable has one value from its definition to the end of the list that declares it. */
+static bool is_settled(const struct ir_variable *variable) {
+    return variable->definition_count == 1 && !variable->array_length &&
+           variable->definition->list == variable->home;
+}
+
+static bool copied_from(const struct ir_variable *variable, struct ir_operand *source) {
+    if (!is_settled(variable) || variable->is_declared_uniform || variable->is_forced_varying)
+        return false;
+    const struct ir_node *node = variable->definition;
+    if (node->operation != IR_MOVE && node->operation != IR_MOVE_BOOL)
+        return false;
+    *source = node->operands[0];
+    if (source->kind != OPERAND_VARIABLE)
+        return true;
+    const struct ir_variable *from = source->variable;
+    return is_settled(from) && from->definition->order < node->order;
+}
+
+static void replace(struct ir_operand *operand) {
+    struct ir_operand source;
+    for (int steps = 0; steps < 1000; steps++) {
+        if (operand->kind != OPERAND_VARIABLE || !copied_from(operand->variable, &source))
+            return;
+        *operand = source;
+    }
+}
+
+static void replace_in_node(struct ir_node *node, void *context) {
+    if (node->kind != NODE_INSTRUCTION)
+        replace(&node->condition);
+    for (int i = 0; i < 3; i++)
+        replace(&node->operands[i]);
+}
+
+void pass_propagate_copies(struct ir_program *ir) {
+    int order = 0;
+    ir_each_node(ir->top, number_node, &order);
+    /* results of the shader start at zero and are read from outside: never settled */
+    struct ir_variable *results[IR_RESULTS_MAX];
+    int count = ir_results(ir, results);
+    for (int i = 0; i < count; i++)
+        results[i]->definition_count += 2;
+    ir_each_node(ir->top, replace_in_node, NULL);
+}

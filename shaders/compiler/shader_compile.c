@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/shader_compile.h"
+
+#include "shaders/compiler/ir.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* 256 MiB in all: syntax tree and IR, then what the caller keeps. */
+enum { WORK_BYTES_MAX = 176 << 20, PROGRAM_BYTES_MAX = 80 << 20 };
+
+int shader_type_components(enum shader_type type) {
+    return type == SHADER_FLOAT || type == SHADER_STRING ? 1 : 3;
+}
+
+const char *shader_type_name(enum shader_type type) {
+    static const char *const names[] = {"float", "color", "point", "vector", "normal", "string"};
+    return names[type];
+}
+
+static void stop_on_errors(struct compilation *c) {
+    if (c->error_count)
+        compilation_stop(c);
+}
+
+/* Predefined variables that the shader never mentions leave the table. */
+static void finish_program(struct compilation *c, const struct ir_program *ir) {
+    struct shader_program *program = c->program;
+    int kept = 0;
+    for (int i = 0; i < program->parameter_count; i++)
+        if (!program->parameters[i].is_global || program->parameters[i].line)
+            program->parameters[kept++] = program->parameters[i];
+    program->parameter_count = kept;
+    program->kind = ir->kind;
+    program->is_ambient = ir->is_ambient;
+    program->spaces = ir->spaces;
+    program->c_source = arena_copy_string(&program->arena, c->output, c->output_length);
+    program->c_length = c->output_length;
+    program->warnings = arena_get(&program->arena, (size_t)c->warning_count * sizeof *program->warnings);
+    program->warning_count = c->warning_count;
+    if (!program->c_source || !program->warnings)
+        compile_limit(c, NULL, "the shader needs more memory than the compiler may use");
+    if (c->warning_count)
+        memcpy(program->warnings, c->warnings, (size_t)c->warning_count * sizeof *program->warnings);
+}
+
+/* The pipeline. */
+static void run_passes(struct compilation *c, const char *file, const char *text, size_t length) {
+    struct ast_unit *prelude = parse_unit(c, "(standard functions)", prelude_text, strlen(prelude_text), true);
+    struct ast_unit *unit = parse_unit(c, file, text, length, false);
+    if (!unit->shader)
+        compilation_stop(c);
+    struct ast_symbol **symbols = check_unit(c, unit, prelude);
+    stop_on_errors(c);
+    c->program->name = arena_copy_string(&c->program->arena, unit->shader->name, strlen(unit->shader->name));
+    struct ir_program *ir = lower_unit(c, unit, prelude, symbols);
+    stop_on_errors(c);
+    ir_validate(ir, "lowering", false);
+    pass_propagate_copies(ir);
+    ir_validate(ir, "propagating copies", false);
+    pass_merge_moves(ir);
+    ir_validate(ir, "merging moves", false);
+    pass_infer_storage(ir);
+    stop_on_errors(c);
+    ir_validate(ir, "inferring storage", true);
+    pass_dead_code(ir);
+    ir_validate(ir, "removing dead code", true);
+    pass_bind_parameters(ir);
+    pass_hoist(ir);
+    pass_blocks(ir);
+    ir_validate(ir, "counting blocks", true);
+    pass_emit(ir);
+    finish_program(c, ir);
+}
+
+static bool fail(struct compilation *c, struct status *status) {
+    status_fail(status, c->code == STATUS_OK ? STATUS_INVALID : c->code, "%s",
+                c->message_length ? c->message : "the shader cannot be compiled");
+    shader_program_destroy(c->program);
+    return false;
+}
+
+bool shader_compile(const char *file, const char *text, size_t length,
+                    const struct shader_compile_options *options, struct shader_program **program,
+                    struct status *status) {
+    *program = NULL;
+    if (length > SOURCE_BYTES_MAX)
+        return status_fail(status, STATUS_LIMIT, "%.200s: error: a shader is at most %d bytes long", file,
+                           SOURCE_BYTES_MAX);
+    struct compilation *c = memory_get(1, sizeof *c);
+    arena_init(&c->arena, WORK_BYTES_MAX);
+    c->options = options;
+    c->program = memory_get(1, sizeof *c->program);
+    arena_init(&c->program->arena, PROGRAM_BYTES_MAX);
+    bool is_done = false;
+    if (!setjmp(c->stop)) {
+        char *copy = compilation_copy(c, text, length);
+        char *name = compilation_copy(c, file, strlen(file));
+        run_passes(c, name, copy, length);
+        *program = c->program;
+        is_done = true;
+    }
+    if (!is_done)
+        fail(c, status);
+    arena_finish(&c->arena);
+    free(c->output);
+    bool result = *program != NULL;
+    free(c);
+    return result;
+}
+
+void shader_program_destroy(struct shader_program *program) {
+    if (!program)
+        return;
+    arena_finish(&program->arena);
+    free(program);
+}

@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/loader/shader_cache.h"
+
+#include "base/hash.h"
+#include "shaders/simd/runtime_text.h"
+
+#include <ctype.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+extern char **environ;
+
+enum { PATH_BYTES = 4096, COMPILER_FLAGS_MAX = 32, COMPILE_DEADLINE_S = 120 };
+
+/* How wide vectors are compiled, widest first. */
+static const struct vector_width {
+    int lanes;
+    const char *name;
+    const char *flags[6];
+} vector_widths[] = {
+    {16, "16 lanes (AVX-512)", {"-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl",
+                                "-mprefer-vector-width=512", NULL}},
+    {8, "8 lanes (AVX2)", {"-mavx2", NULL}},
+    {4, "4 lanes (SSE2)", {NULL}},
+};
+
+struct loaded_module {
+    uint64_t key;
+    const struct shader_module *module;
+};
+
+struct shader_cache {
+    char directory[PATH_BYTES];
+    char include[PATH_BYTES];
+    const char *compiler;
+    const struct vector_width *width;
+    uint64_t salt; /* hash of runtime, compiler and flags */
+    struct loaded_module *modules;
+    size_t module_count, module_capacity;
+};
+
+static const struct vector_width *choose_width(void) {
+    const char *wanted = getenv("SORTLAST_VECTOR_WIDTH");
+    for (size_t i = 0; i < sizeof vector_widths / sizeof *vector_widths; i++)
+        if (wanted && atoi(wanted) == vector_widths[i].lanes)
+            return &vector_widths[i];
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
+        return &vector_widths[0];
+    return __builtin_cpu_supports("avx2") ? &vector_widths[1] : &vector_widths[2];
+}
+
+static bool make_folder(const char *path, struct status *status) {
+    char partial[PATH_BYTES];
+    for (const char *at = path + 1;; at++) {
+        if (*at && *at != '/')
+            continue;
+        snprintf(partial, sizeof partial, "%.*s", (int)(at - path), path);
+        if (mkdir(partial, 0700) && errno != EEXIST)
+            return status_fail(status, STATUS_IO,
+                               "cannot make the shader cache %s: %s (set SORTLAST_CACHE to a folder that "
+                               "can be written)",
+                               partial, strerror(errno));
+        if (!*at)
+            return true;
+    }
+}
+
+static bool find_directory(struct shader_cache *cache, struct status *status) {
+    const char *own = getenv("SORTLAST_CACHE"), *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int length = own && *own    ? snprintf(cache->directory, PATH_BYTES, "%s", own)
+                 : xdg && *xdg  ? snprintf(cache->directory, PATH_BYTES, "%s/sortlast", xdg)
+                 : home && *home ? snprintf(cache->directory, PATH_BYTES, "%s/.cache/sortlast", home)
+                                 : snprintf(cache->directory, PATH_BYTES, "/tmp/sortlast-%u", getuid());
+    if (length >= PATH_BYTES - 128)
+        return status_fail(status, STATUS_INVALID, "the path of the shader cache is too long");
+    if (!make_folder(cache->directory, status))
+        return false;
+    struct stat info;
+    if (stat(cache->directory, &info) || !S_ISDIR(info.st_mode))
+        return status_fail(status, STATUS_IO, "the shader cache %s is not a folder", cache->directory);
+    if (info.st_uid != getuid() || info.st_mode & 022)
+        return status_fail(status, STATUS_IO,
+                           "the shader cache %s can be written by others, and code is loaded from it: "
+                           "make it yours alone (chmod 700) or set SORTLAST_CACHE",
+                           cache->directory);
+    return true;
+}
+
+/* Writes a file under a temporary name and renames it. */
+static bool write_whole(const char *path, const char *text, size_t length, struct status *status) {
+    char temporary[PATH_BYTES + 32];
+    snprintf(temporary, sizeof temporary, "%s.%d.tmp", path, (int)getpid());
+    FILE *file = fopen(temporary, "wb");
+    bool ok = file && fwrite(text, 1, length, file) == length;
+    int cause = errno;
+    if (file && fclose(file)) {
+        ok = false;
+        cause = errno;
+    }
+    if (ok && rename(temporary, path)) {
+        ok = false;
+        cause = errno;
+    }
+    if (!ok) {
+        unlink(temporary);
+        status_fail(status, STATUS_IO, "cannot write %s: %s", path, strerror(cause));
+    }
+    return ok;
+}
+
+static bool write_runtime(struct shader_cache *cache, struct status *status) {
+    uint64_t content = SHADER_MODULE_ABI;
+    for (int i = 0; i < runtime_file_count; i++)
+        content = hash_bytes(runtime_files[i].text, runtime_files[i].length, content);
+    snprintf(cache->include, PATH_BYTES, "%.*s/runtime-%016llx", PATH_BYTES - 64, cache->directory,
+             (unsigned long long)content);
+    cache->salt = content;
+    if (mkdir(cache->include, 0700) && errno != EEXIST)
+        return status_fail(status, STATUS_IO, "cannot make %s: %s", cache->include, strerror(errno));
+    for (int i = 0; i < runtime_file_count; i++) {
+        char path[PATH_BYTES + 128];
+        struct stat info;
+        snprintf(path, sizeof path, "%s/%s", cache->include, runtime_files[i].name);
+        if (stat(path, &info) == 0 && (size_t)info.st_size == runtime_files[i].length)
+            continue;
+        if (!write_whole(path, runtime_files[i].text, runtime_files[i].length, status))
+            return false;
+    }
+    return true;
+}
+
+bool shader_cache_open(struct shader_cache **out, struct status *status) {
+    struct shader_cache *cache = memory_get(1, sizeof *cache);
+    const char *compiler = getenv("SORTLAST_CC");
+    cache->compiler = compiler && *compiler ? compiler : "cc";
+    cache->width = choose_width();
+    if (!find_directory(cache, status) || !write_runtime(cache, status)) {
+        shader_cache_close(cache);
+        return false;
+    }
+    cache->salt = hash_string(cache->compiler, cache->salt + (uint64_t)cache->width->lanes);
+    *out = cache;
+    return true;
+}
+
+void shader_cache_close(struct shader_cache *cache) {
+    if (!cache)
+        return;
+    free(cache->modules);
+    free(cache);
+}
+
+const char *shader_cache_vectors(const struct shader_cache *cache) {
+    return cache->width->name;
+}
+
+/* One compilation: where its files are and who runs it. */
+struct job {
+    const struct shader_source *source;
+    char object[PATH_BYTES + 256], temporary[PATH_BYTES + 320], text[PATH_BYTES + 320],
+        words[PATH_BYTES + 320];
+    pid_t pid;
+};
+
+static uint64_t source_key(const struct shader_cache *cache, const struct shader_source *source) {
+    return hash_string(source->text, cache->salt);
+}
+
+static void object_path(const struct shader_cache *cache, const struct shader_source *source, char *path,
+                        size_t size) {
+    char name[48];
+    size_t length = 0;
+    for (const char *at = source->name; *at && length < sizeof name - 1; at++)
+        name[length++] = isalnum((unsigned char)*at) ? *at : '_';
+    name[length] = 0;
+    snprintf(path, size, "%s/%s-%016llx.so", cache->directory, name,
+             (unsigned long long)source_key(cache, source));
+}
+
+static bool job_start(const struct shader_cache *cache, struct job *job, struct status *status) {
+    const char *arguments[COMPILER_FLAGS_MAX];
+    char include[PATH_BYTES + 8], width[32];
+    int count = 0;
+    snprintf(job->temporary, sizeof job->temporary, "%s.%d.tmp", job->object, (int)getpid());
+    snprintf(job->text, sizeof job->text, "%s.%d.c", job->object, (int)getpid());
+    snprintf(job->words, sizeof job->words, "%s.%d.txt", job->object, (int)getpid());
+    if (!write_whole(job->text, job->source->text, strlen(job->source->text), status))
+        return false;
+    snprintf(include, sizeof include, "-I%s", cache->include);
+    snprintf(width, sizeof width, "-DSHADER_WIDTH=%d", cache->width->lanes);
+    const char *const fixed[] = {cache->compiler,       "-std=gnu11", "-O2",
+                                 "-fno-math-errno",     "-fno-trapping-math",
+                                 "-ffp-contract=off",   "-fPIC",      "-shared",
+                                 "-w",         include,
+                                 width};
+    for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++)
+        arguments[count++] = fixed[i];
+    for (int i = 0; cache->width->flags[i]; i++)
+        arguments[count++] = cache->width->flags[i];
+    arguments[count++] = "-o";
+    arguments[count++] = job->temporary;
+    arguments[count++] = job->text;
+    arguments[count] = NULL;
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, job->words, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_adddup2(&actions, 1, 2);
+    int error = posix_spawnp(&job->pid, cache->compiler, &actions, NULL, (char *const *)arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (!error)
+        return true;
+    job->pid = 0;
+    unlink(job->text);
+    unlink(job->words);
+    return status_fail(status, STATUS_NOT_FOUND,
+                       "cannot run the C compiler %s: %s (install gcc, or set SORTLAST_CC)",
+                       cache->compiler, strerror(error));
+}
+
+/* Waits for one compilation, not forever; keeps the object when it is good. */
+static bool job_finish(const struct shader_cache *cache, struct job *job, struct status *status) {
+    int result = 0;
+    const struct timespec pause = {0, 2000000};
+    struct timespec begin, now;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    pid_t ended;
+    while ((ended = waitpid(job->pid, &result, WNOHANG)) == 0) {
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        if (now.tv_sec - begin.tv_sec > COMPILE_DEADLINE_S)
+            kill(job->pid, SIGKILL);
+        nanosleep(&pause, NULL);
+    }
+    job->pid = 0;
+    bool ok = ended > 0 && WIFEXITED(result) && WEXITSTATUS(result) == 0;
+    if (!ok) {
+        char words[1024] = "";
+        FILE *file = fopen(job->words, "rb");
+        size_t length = file ? fread(words, 1, sizeof words - 1, file) : 0;
+        words[length] = 0;
+        if (file)
+            fclose(file);
+        status_fail(status, STATUS_INTERNAL, "the C compiler %s failed on shader %s:\n%s",
+                    cache->compiler, job->source->name,
+                    length ? words : "it was stopped, or could not write its result (is the disk full?)");
+    } else if (rename(job->temporary, job->object)) {
+        ok = status_fail(status, STATUS_IO, "cannot write %s: %s", job->object, strerror(errno));
+    }
+    unlink(job->temporary);
+    unlink(job->text);
+    unlink(job->words);
+    return ok;
+}
+
+bool shader_cache_build(struct shader_cache *cache, const struct shader_source *sources, size_t count,
+                        size_t *compiled, struct status *status) {
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const size_t most = processors > 1 ? (size_t)processors : 1;
+    struct job *jobs = memory_get(count, sizeof *jobs);
+    size_t started = 0, finished = 0, made = 0;
+    bool ok = true;
+    while (finished < count) {
+        while (ok && started < count && started - finished < most) {
+            struct job *job = &jobs[started++];
+            job->source = &sources[job - jobs];
+            object_path(cache, job->source, job->object, sizeof job->object);
+            if (access(job->object, R_OK))
+                ok = job_start(cache, job, status);
+        }
+        if (finished == started)
+            break;
+        struct job *job = &jobs[finished++];
+        if (!job->pid)
+            continue;
+        made++;
+        struct status other = {0};
+        if (!job_finish(cache, job, ok ? status : &other))
+            ok = false;
+    }
+    free(jobs);
+    if (compiled)
+        *compiled = made;
+    return ok;
+}
+
+bool shader_cache_load(struct shader_cache *cache, struct shader_source source,
+                       const struct shader_module **module, struct status *status) {
+    const uint64_t key = source_key(cache, &source);
+    for (size_t i = 0; i < cache->module_count; i++)
+        if (cache->modules[i].key == key) {
+            *module = cache->modules[i].module;
+            return true;
+        }
+    if (!shader_cache_build(cache, &source, 1, NULL, status))
+        return false;
+    char path[PATH_BYTES + 256];
+    object_path(cache, &source, path, sizeof path);
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    const struct shader_module *found = library ? dlsym(library, SHADER_MODULE_SYMBOL) : NULL;
+    if (!found)
+        return status_fail(status, STATUS_IO, "cannot load shader %s: %s", source.name, dlerror());
+    if (found->abi != SHADER_MODULE_ABI || found->width != (uint32_t)cache->width->lanes)
+        return status_fail(status, STATUS_INTERNAL, "shader object %s is of another build", path);
+    cache->modules = memory_grow(cache->modules, &cache->module_capacity, cache->module_count + 1,
+                                 sizeof *cache->modules);
+    cache->modules[cache->module_count++] = (struct loaded_module){key, found};
+    *module = found;
+    return true;
+}

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shader_harness.h"
+
+#include "base/simd_operations.h"
+
+#include <dlfcn.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+struct shader_program *harness_compile(const char *source, const char *const *material,
+                                       struct status *status) {
+    struct shader_compile_options options = {.material = material};
+    struct shader_program *program = NULL;
+    while (material && material[options.material_count])
+        options.material_count++;
+    shader_compile("test.sl", source, strlen(source), &options, &program, status);
+    return program;
+}
+
+/* The running sums that a node keeps: per block the sum over control paths of the largest trip count. */
+struct seen {
+    uint32_t block;
+    uint64_t key, trips;
+};
+static struct seen seen[4096];
+static int seen_count;
+
+static void report(struct shader_counters *counters, uint32_t block, uint64_t key, uint64_t trips) {
+    assert_true(block < HARNESS_BLOCKS);
+    for (int i = 0; i < seen_count; i++)
+        if (seen[i].block == block && seen[i].key == key) {
+            if (trips > seen[i].trips) {
+                counters->block_executions[block] += trips - seen[i].trips;
+                seen[i].trips = trips;
+            }
+            return;
+        }
+    assert_true(seen_count < 4096);
+    seen[seen_count++] = (struct seen){block, key, trips};
+    counters->block_executions[block] += trips;
+}
+
+static const char *flags_for(int width) {
+    return width == 4 ? "-msse2" : width == 8 && __builtin_cpu_supports("avx2") ? "-mavx2" : "";
+}
+
+void harness_open(struct harness *h, const char *source, int width, const char *const *material) {
+    struct status status = {0};
+    char folder[] = "/tmp/sortlast-shader-XXXXXX", path[128], command[1024];
+    memset(h, 0, sizeof *h);
+    h->program = harness_compile(source, material, &status);
+    if (!h->program)
+        fail_msg("%s", status.message);
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/shader.c", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fwrite(h->program->c_source, 1, h->program->c_length, file);
+    fclose(file);
+    snprintf(command, sizeof command,
+             "cc -std=gnu11 -O1 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Werror -Wno-psabi -shared "
+             "-fPIC %s -DSHADER_WIDTH=%d -I'%s' -o %s/shader.so %s/shader.c",
+             flags_for(width), width, SIMD_INCLUDE, folder, folder);
+    assert_int_equal(system(command), 0);
+    snprintf(path, sizeof path, "%s/shader.so", folder);
+    h->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    assert_non_null(h->library);
+    h->module = dlsym(h->library, SHADER_MODULE_SYMBOL);
+    assert_non_null(h->module);
+    unlink(path);
+    snprintf(path, sizeof path, "%s/shader.c", folder);
+    unlink(path);
+    rmdir(folder);
+    assert_int_equal(h->module->width, width);
+    h->uniform = calloc((size_t)h->module->uniform_count + 1, sizeof *h->uniform);
+    h->counters = (struct shader_counters){h->executions, report};
+    for (int s = 0; s < SHADER_SPACE_COUNT; s++)
+        for (int i = 0; i < 4; i++)
+            h->matrices.from_camera[s][i * 5] = h->matrices.to_camera[s][i * 5] = 1;
+}
+
+void harness_close(struct harness *h) {
+    shader_program_destroy(h->program);
+    dlclose(h->library);
+    free(h->uniform);
+}
+
+const struct shader_parameter *harness_parameter(const struct shader_program *program, const char *name) {
+    for (int i = 0; i < program->parameter_count; i++)
+        if (!strcmp(program->parameters[i].name, name))
+            return &program->parameters[i];
+    fail_msg("no parameter %s", name);
+    return NULL;
+}
+
+void harness_bind(struct harness *h, const char *name, const float *values) {
+    const struct shader_parameter *parameter = harness_parameter(h->program, name);
+    assert_true(parameter->bound_offset >= 0);
+    memcpy(h->bound + parameter->bound_offset, values, (size_t)parameter->components * sizeof *values);
+    memset(h->given + parameter->bound_offset, 1, (size_t)parameter->components);
+}
+
+void harness_bind_string(struct harness *h, const char *name, const char *text) {
+    float bits;
+    int32_t identity = shader_string_identity(text);
+    memcpy(&bits, &identity, sizeof bits);
+    harness_bind(h, name, &bits);
+}
+
+static void set_material(struct harness *h, float (*planes)[HARNESS_SAMPLES]) {
+    for (int p = 0; p < h->program->parameter_count; p++) {
+        const struct shader_parameter *parameter = &h->program->parameters[p];
+        for (int c = 0; parameter->is_material && c < parameter->components; c++)
+            for (int i = 0; i < HARNESS_SAMPLES; i++) {
+                float value = (float)(i + 100 * c);
+                if (parameter->is_global && (!strcmp(parameter->name, "N") || !strcmp(parameter->name, "Ng")))
+                    value = c == 2 ? -1 : 0;
+                if (parameter->is_global && !strcmp(parameter->name, "t"))
+                    value = 0.5f;
+                planes[parameter->map_offset + c][i] = value;
+            }
+    }
+}
+
+void harness_run(struct harness *h, struct harness *const *lights, int light_count,
+                 struct harness_result *result) {
+    static _Alignas(64) float planes[64][HARNESS_SAMPLES], position[3][HARNESS_SAMPLES],
+        incident[3][HARNESS_SAMPLES], color[3][HARNESS_SAMPLES], opacity[3][HARNESS_SAMPLES],
+        scratch[8 * 7 * HARNESS_SAMPLES];
+    const float *material[64];
+    struct shader_light light_table[8];
+    seen_count = 0;
+    set_material(h, planes);
+    for (int i = 0; i < 64; i++)
+        material[i] = planes[i];
+    for (int i = 0; i < HARNESS_SAMPLES; i++) {
+        position[0][i] = (float)i;
+        position[1][i] = 2;
+        position[2][i] = 3;
+        incident[2][i] = 1;
+    }
+    for (int i = 0; i < light_count; i++) {
+        lights[i]->module->prepare(lights[i]->bound, lights[i]->given, &lights[i]->matrices, lights[i]->uniform);
+        light_table[i] = (struct shader_light){lights[i]->module, lights[i]->uniform, &lights[i]->matrices,
+                                               &lights[i]->counters};
+    }
+    h->module->prepare(h->bound, h->given, &h->matrices, h->uniform);
+    struct shader_call call = {.count = HARNESS_SAMPLES,
+                               .material = material,
+                               .position = {position[0], position[1], position[2]},
+                               .incident = {incident[0], incident[1], incident[2]},
+                               .uniform = h->uniform,
+                               .matrices = &h->matrices,
+                               .lights = light_table,
+                               .light_count = light_count,
+                               .light_scratch = scratch,
+                               .counters = &h->counters,
+                               .color = {color[0], color[1], color[2]},
+                               .opacity = {opacity[0], opacity[1], opacity[2]}};
+    h->module->shade(&call);
+    memcpy(result->color, color, sizeof color);
+    result->overrun = call.overrun;
+}
+
+uint32_t harness_operations(const struct shader_module *module, int stream, int operation) {
+    uint32_t sum = 0;
+    for (int b = 0; b < module->block_count; b++)
+        sum += module->blocks[b].operations[stream][operation];
+    return sum;
+}
