@@ -53,7 +53,7 @@ static bool step_node(struct in_process *run, size_t index, const struct node_ev
     struct node_outputs outputs = {0};
     struct node *node = run->nodes[index];
     bool ok = node_step(node, event, &outputs, status);
-    if (!ok) {
+    if (!ok && node->address.role != NODE_HOST) { /* the host's errors name a place in the scene */
         char name[NODE_NAME_BYTES];
         status_prefix(status, "%s", node_address_name(node->address, name));
     }

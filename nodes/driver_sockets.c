@@ -41,6 +41,7 @@ struct socket_driver {
     struct peer *peers; /* every node but this one */
     size_t peer_count;
     size_t blocked; /* messages waiting in queues */
+    char bound[2][ENDPOINT_BYTES]; /* addresses this node listens at: control, input */
     bool is_started, is_probing;
     struct timespec last_news, probe_begin;
 };
@@ -119,6 +120,7 @@ static bool open_input(struct socket_driver *driver, char *endpoint, struct stat
         default_listen(driver, endpoint);
     if (zmq_bind(driver->input, endpoint))
         return socket_failure("listen at", endpoint, status);
+    snprintf(driver->bound[1], ENDPOINT_BYTES, "%s", endpoint);
     zmq_getsockopt(driver->input, ZMQ_LAST_ENDPOINT, endpoint, &size);
     return true;
 }
@@ -140,6 +142,7 @@ static bool open_control(struct socket_driver *driver, struct status *status) {
         set_option(driver->control, ZMQ_ROUTER_MANDATORY, 1);
         if (zmq_bind(driver->control, driver->options->host))
             return socket_failure("listen at", driver->options->host, status);
+        snprintf(driver->bound[0], ENDPOINT_BYTES, "%s", driver->options->host);
         return true;
     }
     routing_name(driver->node->address, name);
@@ -194,6 +197,8 @@ static bool send_to(struct socket_driver *driver, struct peer *peer, struct mess
                     struct status *status) {
     if (!peer->queue_count) {
         const int sent = try_send(driver, peer, message, status);
+        if (sent < 0)
+            message_release(message);
         if (sent)
             return sent > 0;
     }
@@ -378,13 +383,25 @@ static bool take_disconnect(struct socket_driver *driver, struct status *status)
     return true;
 }
 
+/* What a node said before it left is in the socket already when sending to it fails: hear that first. */
+static bool hear_last_words(struct socket_driver *driver, struct status *loss) {
+    struct status failure = {0};
+    bool any = false;
+    if (!drain(driver, driver->control, true, SIZE_MAX, &any, &failure)) {
+        *loss = failure;
+        return false;
+    }
+    return driver->node->is_finished;
+}
+
 static bool probe_peers(struct socket_driver *driver, struct status *status) {
     struct message *probe = signal_encode(WIRE_PROBE, 0, 0, 0);
     bool ok = true;
     for (size_t i = 0; ok && i < driver->peer_count; i++)
         if (driver->peers[i].is_known && (!driver->node->is_closing ||
                                           driver->peers[i].address.role == NODE_FRAMEBUFFER))
-            ok = send_to(driver, &driver->peers[i], message_hold(probe), status);
+            ok = send_to(driver, &driver->peers[i], message_hold(probe), status) ||
+                 hear_last_words(driver, status);
     message_release(probe);
     if (seconds_since(&driver->probe_begin) > 1)
         driver->is_probing = false;
@@ -394,10 +411,12 @@ static bool probe_peers(struct socket_driver *driver, struct status *status) {
 static void describe(const struct socket_driver *driver, char *text, size_t size) {
     char name[NODE_NAME_BYTES], what[256];
     if (!driver->is_started && is_host(driver)) {
-        size_t missing = 0;
+        size_t missing = 0, known = 0;
         const struct peer *first = NULL;
         for (size_t i = 0; i < driver->peer_count; i++)
-            if (!(driver->peers[i].is_known && driver->peers[i].is_ready)) {
+            known += driver->peers[i].is_known;
+        for (size_t i = 0; i < driver->peer_count; i++)
+            if (known < driver->peer_count ? !driver->peers[i].is_known : !driver->peers[i].is_ready) {
                 first = first ? first : &driver->peers[i];
                 missing++;
             }
@@ -491,15 +510,19 @@ static void close_driver(struct socket_driver *driver) {
             zmq_close(peer->push);
     }
     free(driver->peers);
+    /* in this order: libzmq's own thread blocks on an event that nobody can receive any more */
+    if (driver->control)
+        zmq_socket_monitor(driver->control, NULL, 0);
     if (driver->monitor)
         zmq_close(driver->monitor);
-    if (driver->control) {
-        zmq_socket_monitor(driver->control, NULL, 0);
+    if (driver->control)
         zmq_close(driver->control);
-    }
     if (driver->input)
         zmq_close(driver->input);
     zmq_ctx_term(driver->context);
+    for (int i = 0; i < 2; i++) /* libzmq leaves the files of ipc sockets behind */
+        if (!strncmp(driver->bound[i], "ipc://", 6) && driver->bound[i][6] != '@')
+            unlink(driver->bound[i] + 6);
 }
 
 /* Tells the host why this node gives up. */

@@ -48,7 +48,7 @@ void shader_library_destroy(struct shader_library *library) {
     free(library);
 }
 
-static FILE *open_source(const struct shader_library *library, const char *name, char path[PATH_BYTES]) {
+static FILE *open_named(const struct shader_library *library, const char *name, char path[PATH_BYTES]) {
     const size_t length = strlen(name);
     const char *suffix = length > 3 && !strcmp(name + length - 3, ".sl") ? "" : ".sl";
     if (name[0] == '/') {
@@ -62,6 +62,18 @@ static FILE *open_source(const struct shader_library *library, const char *name,
             return file;
     }
     return NULL;
+}
+
+/* The standard's names of its light shaders ("distantlight") also find ours ("distant"). */
+static FILE *open_source(const struct shader_library *library, const char *name, char path[PATH_BYTES]) {
+    static const char suffix[] = "light";
+    FILE *file = open_named(library, name, path);
+    const size_t length = strlen(name), cut = sizeof suffix - 1;
+    if (file || length <= cut || length >= PATH_BYTES || strcmp(name + length - cut, suffix))
+        return file;
+    char stem[PATH_BYTES];
+    snprintf(stem, sizeof stem, "%.*s", (int)(length - cut), name);
+    return open_named(library, stem, path);
 }
 
 static bool not_found(const struct shader_library *library, const char *name,

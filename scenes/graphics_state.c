@@ -36,7 +36,8 @@ static struct light_set *light_set_unshare(struct graphics_state *state) {
     struct light_set *set = memory_get(1, sizeof *set);
     set->references = 1;
     if (shared) {
-        set->lights = memory_grow(NULL, &set->capacity, (size_t)shared->count + 1, sizeof *set->lights);
+        set->lights =
+            memory_grow(NULL, &set->capacity, (size_t)shared->count + 1, sizeof *set->lights);
         for (set->count = 0; set->count < shared->count; set->count++) {
             set->lights[set->count] = shared->lights[set->count];
             set->lights[set->count]->references++;
@@ -47,7 +48,8 @@ static struct light_set *light_set_unshare(struct graphics_state *state) {
     return set;
 }
 
-void graphics_state_switch_light(struct graphics_state *state, struct rib_shader *light, bool is_on) {
+void graphics_state_switch_light(struct graphics_state *state, struct rib_shader *light,
+                                 bool is_on) {
     int count = state->lights ? state->lights->count : 0, at = count;
     while (at > 0 && state->lights->lights[at - 1]->sequence >= light->sequence)
         at--;
@@ -56,7 +58,8 @@ void graphics_state_switch_light(struct graphics_state *state, struct rib_shader
         return;
     struct light_set *set = light_set_unshare(state);
     if (is_on) {
-        set->lights = memory_grow(set->lights, &set->capacity, (size_t)count + 1, sizeof *set->lights);
+        set->lights =
+            memory_grow(set->lights, &set->capacity, (size_t)count + 1, sizeof *set->lights);
         memmove(set->lights + at + 1, set->lights + at, (size_t)(count - at) * sizeof *set->lights);
         set->lights[at] = light;
         set->count++;

@@ -5,7 +5,8 @@
 #include "scenes/primitive.h"
 #include "scenes/scene.h"
 
-/* What AttributeBegin saves and AttributeEnd restores. Shaders and light sets are shared by counting. */
+/* What AttributeBegin saves and AttributeEnd restores. Shaders and light sets are shared by
+ * counting. */
 
 /* A Surface or LightSource call. `shader` and everything in it is owned, names are interned. */
 struct rib_shader {
@@ -28,7 +29,12 @@ struct light_set {
     uint64_t frame_serial;
 };
 
-enum surface_orientation { ORIENTATION_OUTSIDE, ORIENTATION_INSIDE, ORIENTATION_LH, ORIENTATION_RH };
+enum surface_orientation {
+    ORIENTATION_OUTSIDE,
+    ORIENTATION_INSIDE,
+    ORIENTATION_LH,
+    ORIENTATION_RH
+};
 
 struct graphics_state {
     struct mat4 transform; /* object to world inside a world, to camera before */
@@ -49,7 +55,8 @@ void graphics_state_finish(struct graphics_state *state);
 /* Takes over the caller's reference to the shader. */
 void graphics_state_set_surface(struct graphics_state *state, struct rib_shader *shader);
 /* Does nothing when the light already is what it should be. */
-void graphics_state_switch_light(struct graphics_state *state, struct rib_shader *light, bool is_on);
+void graphics_state_switch_light(struct graphics_state *state, struct rib_shader *light,
+                                 bool is_on);
 
 extern const double basis_bezier[4][4];
 

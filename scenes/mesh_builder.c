@@ -33,7 +33,8 @@ static bool check_limits(const struct mesh_builder *builder, struct status *stat
                            "%zu triangles needed where the limit of the frame leaves %zu",
                            builder->triangle_capacity, limit);
     if (builder->vertex_count > UINT32_MAX || builder->triangle_capacity > UINT32_MAX)
-        return status_fail(status, STATUS_LIMIT, "more than 2^32 vertices or triangles in a primitive");
+        return status_fail(status, STATUS_LIMIT,
+                           "more than 2^32 vertices or triangles in a primitive");
     return true;
 }
 
@@ -84,9 +85,8 @@ bool mesh_builder_start(struct mesh_builder *builder, const struct tessellation 
     builder->t = own_t ? carve(&memory, vertex_count) : builder->v;
     for (int i = 0; i < primitive->variable_count; i++)
         if (!is_consumed(&primitive->variables[i]) && !is_constant(&primitive->variables[i]))
-            builder->user[i] =
-                carve(&memory, vertex_count *
-                                   (size_t)primitive_variable_components(&primitive->variables[i]));
+            builder->user[i] = carve(&memory, vertex_count * (size_t)primitive_variable_components(
+                                                                 &primitive->variables[i]));
     builder->triangles = (uint32_t *)memory;
     *mesh = (struct scene_mesh){.object_to_camera = tessellation->object_to_camera};
     return true;
@@ -130,7 +130,8 @@ static double homogeneous_w(const struct mat4 *matrix, struct vec3 p) {
     return p.x * m[0][3] + p.y * m[1][3] + p.z * m[2][3] + m[3][3];
 }
 
-/* The image of a tangent vector at a point: the derivative of the map, which is projective in general. */
+/* The image of a tangent vector at a point: the derivative of the map, which is projective in
+ * general. */
 static struct vec3 transform_tangent(const struct tessellation *t, struct vec3 p, struct vec3 d) {
     struct vec3 moved = mat4_vector(&t->object_to_camera, d);
     if (t->is_affine)
@@ -154,8 +155,8 @@ static struct vec3 transform_normal(const struct tessellation *t, struct vec3 p,
 }
 
 /* One number of a variable, interpolated as its storage class says. */
-static double variable_value(const struct primitive_variable *item, const struct vertex_source *source,
-                             int component, int components) {
+static double variable_value(const struct primitive_variable *item,
+                             const struct vertex_source *source, int component, int components) {
     const double *values = item->values + component;
     const size_t *index = source->varying;
     const double *weights = source->corner_weights;
@@ -182,8 +183,9 @@ static double variable_value(const struct primitive_variable *item, const struct
     return sum;
 }
 
-static void put_variable(struct mesh_builder *builder, const struct primitive_variable *item, float *out,
-                         size_t vertex, struct vec3 position, const struct vertex_source *source) {
+static void put_variable(struct mesh_builder *builder, const struct primitive_variable *item,
+                         float *out, size_t vertex, struct vec3 position,
+                         const struct vertex_source *source) {
     const struct tessellation *t = builder->tessellation;
     int components = primitive_variable_components(item);
     if (out)
@@ -214,8 +216,8 @@ static void put_variable(struct mesh_builder *builder, const struct primitive_va
         out[i] = finite_or_zero(variable_value(item, source, i, components));
 }
 
-void mesh_builder_put(struct mesh_builder *builder, size_t vertex, const struct surface_point *point,
-                      const struct vertex_source *source) {
+void mesh_builder_put(struct mesh_builder *builder, size_t vertex,
+                      const struct surface_point *point, const struct vertex_source *source) {
     const struct tessellation *t = builder->tessellation;
     put_point(builder->positions + 3 * vertex, mat4_point(&t->object_to_camera, point->position));
     struct vec3 normal = transform_normal(t, point->position, point->normal);
@@ -264,18 +266,20 @@ void mesh_builder_grid(struct mesh_builder *builder, size_t first_vertex, size_t
         }
 }
 
-static void add_variable(struct scene_mesh *mesh, const char *name, enum scene_type type, int components,
-                         const float *values) {
-    mesh->variables[mesh->variable_count++] = (struct scene_variable){name, type, components, values};
+static void add_variable(struct scene_mesh *mesh, const char *name, enum scene_type type,
+                         int components, const float *values) {
+    mesh->variables[mesh->variable_count++] =
+        (struct scene_variable){name, type, components, values};
 }
 
 static void add_constant(struct scene_mesh *mesh, struct arena *arena,
                          const struct primitive_variable *item) {
     struct scene_parameter *constant = &mesh->constants[mesh->constant_count++];
-    *constant = (struct scene_parameter){.name = arena_copy_string(arena, item->name, strlen(item->name)),
-                                         .type = rib_type_to_scene(item->type),
-                                         .array_length = item->array_length,
-                                         .location = item->location};
+    *constant =
+        (struct scene_parameter){.name = arena_copy_string(arena, item->name, strlen(item->name)),
+                                 .type = rib_type_to_scene(item->type),
+                                 .array_length = item->array_length,
+                                 .location = item->location};
     if (item->type == RIB_STRING) {
         constant->strings = arena_get(arena, item->count * sizeof *constant->strings);
         for (size_t i = 0; i < item->count; i++)

@@ -6,8 +6,8 @@
 
 /* Allocates the arrays of a mesh and fills them vertex by vertex. */
 
-/* Where a vertex takes the values of primitive variables from: indices into the values of each storage class
- * with their weights. */
+/* Where a vertex takes the values of primitive variables from: indices into the values of each
+ * storage class with their weights. */
 struct vertex_source {
     size_t uniform;
     int corner_count; /* 1 or 4 */
@@ -35,16 +35,16 @@ struct mesh_builder {
     size_t dropped; /* triangles with a corner that is not finite */
 };
 
-/* With `shares_st`, s and t are u and v unless the file gives them. Fails with STATUS_LIMIT when the counts
- * pass the limits. */
+/* With `shares_st`, s and t are u and v unless the file gives them. Fails with STATUS_LIMIT when
+ * the counts pass the limits. */
 bool mesh_builder_start(struct mesh_builder *builder, const struct tessellation *tessellation,
                         const struct primitive *primitive, size_t vertex_count,
                         size_t triangle_capacity, bool shares_st, struct scene_mesh *mesh,
                         struct status *status);
-void mesh_builder_put(struct mesh_builder *builder, size_t vertex, const struct surface_point *point,
-                      const struct vertex_source *source);
-/* Corners in the order that goes with dPdu x dPdv in object space; triangles with two equal or any non-finite
- * corners are dropped. All vertices must have been put. */
+void mesh_builder_put(struct mesh_builder *builder, size_t vertex,
+                      const struct surface_point *point, const struct vertex_source *source);
+/* Corners in the order that goes with dPdu x dPdv in object space; triangles with two equal or any
+ * non-finite corners are dropped. All vertices must have been put. */
 void mesh_builder_triangle(struct mesh_builder *builder, size_t a, size_t b, size_t c);
 /* The two triangles of every cell of a grid of (nu + 1) x (nv + 1) vertices, u fastest. */
 void mesh_builder_grid(struct mesh_builder *builder, size_t first_vertex, size_t nu, size_t nv);

@@ -8,8 +8,8 @@
 #include <string.h>
 
 /* The entry of this name, or the free one where it belongs; `name` need not end in NUL. */
-static struct name_table_entry *table_slot(const struct name_table *table, const char *name, size_t length,
-                                           uint64_t hash) {
+static struct name_table_entry *table_slot(const struct name_table *table, const char *name,
+                                           size_t length, uint64_t hash) {
     size_t mask = table->capacity - 1, i = hash & mask;
     while (table->entries[i].name &&
            (table->entries[i].hash != hash || strncmp(table->entries[i].name, name, length) != 0 ||

@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A primitive as the file gives it, in object coordinates and double precision, before it is tessellated.
- * Objects keep theirs and tessellate them anew for every instance. */
+/* A primitive as the file gives it, in object coordinates and double precision, before it is
+ * tessellated. Objects keep theirs and tessellate them anew for every instance. */
 
 enum storage_class {
     STORAGE_CONSTANT,    /* one value for the primitive */
@@ -43,9 +43,9 @@ struct primitive_variable {
     const char *name; /* interned by the reader */
     enum storage_class storage;
     enum rib_type type;
-    int array_length; /* 0: not an array */
-    size_t count;     /* numbers or strings */
-    double *values;   /* owned; NULL for strings */
+    int array_length;     /* 0: not an array */
+    size_t count;         /* numbers or strings */
+    double *values;       /* owned; NULL for strings */
     const char **strings; /* the array is owned, the strings are interned */
     struct scene_location location;
 };
@@ -91,7 +91,8 @@ struct primitive {
     struct polygon_mesh polygons;
     struct primitive_variable *variables; /* owned */
     int variable_count;
-    struct mat4 transform; /* object to the space that was current at ObjectBegin; identity outside */
+    struct mat4
+        transform; /* object to the space that was current at ObjectBegin; identity outside */
     struct scene_location location;
 };
 

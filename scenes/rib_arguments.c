@@ -26,10 +26,11 @@ static bool fail_expected(struct rib_reader *reader, const char *what) {
                          reader->request, what);
     case RIB_TOKEN_REQUEST:
         if (strcasecmp(token->text, "nan") == 0 || strncasecmp(token->text, "inf", 3) == 0)
-            return rib_error(reader, &token->location, "%s is not a finite decimal number: %s of %s",
-                             token->text, what, reader->request);
-        return rib_error(reader, &token->location, "%s: %s expected before '%.100s'", reader->request,
-                         what, token->text);
+            return rib_error(reader, &token->location,
+                             "%s is not a finite decimal number: %s of %s", token->text, what,
+                             reader->request);
+        return rib_error(reader, &token->location, "%s: %s expected before '%.100s'",
+                         reader->request, what, token->text);
     default:
         return rib_error(reader, &token->location, "%s: %s expected", reader->request, what);
     }
@@ -73,8 +74,8 @@ static bool number_to_integer(struct rib_reader *reader, const struct rib_locati
         return rib_error(reader, location, "%s: %s must be whole, not %g", reader->request, what,
                          number);
     if (number < minimum || number > maximum)
-        return rib_error(reader, location, "%s: %s must be %d to %d, not %.15g", reader->request, what,
-                         minimum, maximum, number);
+        return rib_error(reader, location, "%s: %s must be %d to %d, not %.15g", reader->request,
+                         what, minimum, maximum, number);
     *integer = (int)number;
     return true;
 }
@@ -108,8 +109,8 @@ bool rib_read_array(struct rib_reader *reader, const char *what, double **number
     return true;
 }
 
-bool rib_read_integer_array(struct rib_reader *reader, const char *what, int minimum, int **integers,
-                            size_t *count) {
+bool rib_read_integer_array(struct rib_reader *reader, const char *what, int minimum,
+                            int **integers, size_t *count) {
     size_t capacity = 0;
     *integers = NULL;
     *count = 0;

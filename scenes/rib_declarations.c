@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-/* The names that RIB knows without Declare: those of primitives and of the standard shaders and options.
+/* The names that RIB knows without Declare: those of primitives and of the standard shaders and
+ * options.
  *
  * X(NAME, declaration) */
 #define STANDARD_DECLARATIONS(X)                                                                   \
@@ -118,8 +119,8 @@ static bool parse_array_length(const char **text, int *array_length, const char 
     return true;
 }
 
-const struct declaration *rib_parse_declaration(struct rib_reader *reader, const char *text, bool is_inline,
-                                                const char **problem) {
+const struct declaration *rib_parse_declaration(struct rib_reader *reader, const char *text,
+                                                bool is_inline, const char **problem) {
     struct declaration declaration = {.storage = STORAGE_UNIFORM};
     size_t length = word_read(&text);
     if (parse_storage(text, length, &declaration.storage)) {
@@ -141,7 +142,8 @@ const struct declaration *rib_parse_declaration(struct rib_reader *reader, const
         }
         declaration.name = rib_intern(reader, text, length);
         text += length;
-        if (!declaration.array_length && !parse_array_length(&text, &declaration.array_length, problem))
+        if (!declaration.array_length &&
+            !parse_array_length(&text, &declaration.array_length, problem))
             return NULL;
         length = word_read(&text);
     }

@@ -17,7 +17,8 @@ static int whole_samples(double samples) {
 }
 
 /* The screen window without ScreenWindow: the shorter side of the frame goes from -1 to 1. */
-static void default_screen_window(const struct camera_options *options, double aspect, double window[4]) {
+static void default_screen_window(const struct camera_options *options, double aspect,
+                                  double window[4]) {
     double x = aspect > 1 ? aspect : 1, y = aspect > 1 ? 1 : 1 / aspect;
     if (options->has_screen_window) {
         memcpy(window, options->screen_window, sizeof options->screen_window);
@@ -95,7 +96,7 @@ static const char *copy_text(struct arena *arena, const char *text) {
 
 static void copy_parameter(struct arena *arena, const struct scene_parameter *from,
                            struct scene_parameter *to) {
-    static const int components[] = {[SCENE_FLOAT] = 1, [SCENE_COLOR] = 3,  [SCENE_POINT] = 3,
+    static const int components[] = {[SCENE_FLOAT] = 1,  [SCENE_COLOR] = 3,  [SCENE_POINT] = 3,
                                      [SCENE_VECTOR] = 3, [SCENE_NORMAL] = 3, [SCENE_STRING] = 1};
     size_t count = (size_t)(from->array_length > 0 ? from->array_length : 1);
     *to = *from;
@@ -193,12 +194,13 @@ bool rib_frame_add(struct rib_reader *reader, const struct primitive *primitive)
                  "%s under a singular transform: nothing to draw", reader->request);
         return true;
     }
-    tessellation.is_reversed = is_reversed(reader->state.orientation, &tessellation.object_to_camera);
+    tessellation.is_reversed =
+        is_reversed(reader->state.orientation, &tessellation.object_to_camera);
     struct status status;
     struct scene_mesh mesh;
     if (!tessellate(&tessellation, primitive, &mesh, &status))
-        return rib_error_code(reader, &reader->request_at, status.code, "%s: %.800s", reader->request,
-                              status.message);
+        return rib_error_code(reader, &reader->request_at, status.code, "%s: %.800s",
+                              reader->request, status.message);
     if (tessellation.dropped_triangles)
         rib_warn(reader, &reader->request_at, "not finite",
                  "%s: %zu triangles left out: their coordinates are beyond the range of floats",

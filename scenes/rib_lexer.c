@@ -11,7 +11,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { WINDOW_BYTES = 256 * 1024, TOKEN_BYTES_MAX = 1 << 20, EXCERPT_BEFORE = 90, EXCERPT_AFTER = 60 };
+enum {
+    WINDOW_BYTES = 256 * 1024,
+    TOKEN_BYTES_MAX = 1 << 20,
+    HELD_BYTES_MAX = 1 << 28,
+    EXCERPT_BEFORE = 90,
+    EXCERPT_AFTER = 60,
+};
 
 static bool lexer_start(struct rib_lexer *lexer, const char *file, struct status *status) {
     *lexer = (struct rib_lexer){.file = file, .descriptor = -1, .line = 1};
@@ -34,6 +40,10 @@ static bool lexer_hold_all(struct rib_lexer *lexer, struct status *status) {
         if (count == 0)
             break;
         length += (size_t)count;
+        if (length > HELD_BYTES_MAX)
+            return status_fail(status, STATUS_LIMIT,
+                               "%s: more than %d bytes from what is not a regular file",
+                               lexer->file, HELD_BYTES_MAX);
     }
     close(lexer->descriptor);
     lexer->descriptor = -1;
@@ -70,8 +80,8 @@ bool rib_lexer_open(struct rib_lexer *lexer, const char *file, struct status *st
     return true;
 }
 
-bool rib_lexer_open_memory(struct rib_lexer *lexer, const char *file, const char *text, size_t length,
-                           struct status *status) {
+bool rib_lexer_open_memory(struct rib_lexer *lexer, const char *file, const char *text,
+                           size_t length, struct status *status) {
     if (!lexer_start(lexer, file, status))
         return false;
     lexer->cursor = lexer->window_start = length ? text : "";
@@ -175,7 +185,8 @@ static void lex_number(struct rib_lexer *lexer, struct rib_token *token) {
         token_is_bad(token, "not a finite decimal number");
 }
 
-/* After the backslash: \n \r \t \b \f, up to three octal digits, a continued line, or the byte itself. */
+/* After the backslash: \n \r \t \b \f, up to three octal digits, a continued line, or the byte
+ * itself. */
 static const char *lex_escape(struct rib_lexer *lexer) {
     static const char letters[] = "nrtbf", bytes[] = "\n\r\t\b\f";
     int c = lexer_byte(lexer);
@@ -200,7 +211,8 @@ static const char *lex_escape(struct rib_lexer *lexer) {
     lexer->cursor++;
     if (c == 0)
         return "a string holds a NUL byte";
-    return lexer_keep(lexer, letter ? bytes[letter - letters] : (char)c) ? NULL : "a string is too long";
+    return lexer_keep(lexer, letter ? bytes[letter - letters] : (char)c) ? NULL
+                                                                         : "a string is too long";
 }
 
 static void lex_string(struct rib_lexer *lexer, struct rib_token *token) {
@@ -230,7 +242,8 @@ static void lex_string(struct rib_lexer *lexer, struct rib_token *token) {
     token_is_bad(token, problem);
 }
 
-/* Blanks and comments; structure comments (##RenderMan ...) are comments. Returns the byte after them. */
+/* Blanks and comments; structure comments (##RenderMan ...) are comments. Returns the byte after
+ * them. */
 static int lexer_skip_blanks(struct rib_lexer *lexer) {
     for (;;) {
         int c = lexer_byte(lexer);
@@ -252,8 +265,8 @@ static int lexer_skip_blanks(struct rib_lexer *lexer) {
 static void lex(struct rib_lexer *lexer, struct rib_token *token) {
     int c = lexer_skip_blanks(lexer);
     uint64_t offset = lexer_offset(lexer), column = offset - lexer->line_offset + 1;
-    token->location.at = (struct scene_location){lexer->file, lexer->line,
-                                                 column < INT_MAX ? (int)column : INT_MAX};
+    token->location.at =
+        (struct scene_location){lexer->file, lexer->line, column < INT_MAX ? (int)column : INT_MAX};
     token->location.offset = offset;
     token->number = 0;
     lexer->text_length = 0;
@@ -276,7 +289,8 @@ static void lex(struct rib_lexer *lexer, struct rib_token *token) {
         lexer->cursor++;
         token_is(lexer, token, c == '[' ? RIB_TOKEN_OPEN : RIB_TOKEN_CLOSE);
     } else if (c == ',') {
-        token_is_bad(token, "unexpected ','; numbers are separated by blanks and written with a point");
+        token_is_bad(token,
+                     "unexpected ','; numbers are separated by blanks and written with a point");
     } else if (c >= 0x80 || c == 0x1f) {
         token_is_bad(token, "not ASCII RIB (binary and compressed RIB are not read)");
     } else {
@@ -299,8 +313,8 @@ void rib_lexer_take(struct rib_lexer *lexer) {
 }
 
 /* Up to `capacity` bytes of the source from `offset` on. */
-static size_t excerpt_read(const struct rib_lexer *lexer, const char *file, uint64_t offset, char *bytes,
-                           size_t capacity) {
+static size_t excerpt_read(const struct rib_lexer *lexer, const char *file, uint64_t offset,
+                           char *bytes, size_t capacity) {
     if (lexer && lexer->descriptor < 0) {
         size_t length = (size_t)(lexer->end - lexer->window_start);
         if (offset > length)
@@ -317,8 +331,8 @@ static size_t excerpt_read(const struct rib_lexer *lexer, const char *file, uint
     return count > 0 ? (size_t)count : 0;
 }
 
-bool rib_lexer_excerpt(const struct rib_lexer *lexer, const struct rib_location *location, char *line,
-                       size_t capacity, size_t *caret) {
+bool rib_lexer_excerpt(const struct rib_lexer *lexer, const struct rib_location *location,
+                       char *line, size_t capacity, size_t *caret) {
     char bytes[EXCERPT_BEFORE + EXCERPT_AFTER];
     uint64_t before = (uint64_t)(location->at.column - 1);
     bool is_cut = before > EXCERPT_BEFORE;

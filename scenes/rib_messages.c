@@ -19,8 +19,8 @@ static void message_format(const struct rib_reader *reader, const struct rib_loc
             source = &reader->sources[i];
     char line[256];
     size_t caret;
-    int length = snprintf(message, capacity, "%s:%d:%d: %s: %s", location->at.file, location->at.line,
-                          location->at.column, kind, text);
+    int length = snprintf(message, capacity, "%s:%d:%d: %s: %s", location->at.file,
+                          location->at.line, location->at.column, kind, text);
     if (length < 0 || (size_t)length >= capacity)
         return;
     if (!rib_lexer_excerpt(source, location, line, sizeof line, &caret))
@@ -36,7 +36,8 @@ static bool fail_at(struct rib_reader *reader, const struct rib_location *locati
     return status_fail(reader->status, code, "%s", message);
 }
 
-bool rib_error(struct rib_reader *reader, const struct rib_location *location, const char *format, ...) {
+bool rib_error(struct rib_reader *reader, const struct rib_location *location, const char *format,
+               ...) {
     va_list arguments;
     va_start(arguments, format);
     fail_at(reader, location, STATUS_INVALID, format, arguments);
@@ -66,7 +67,8 @@ static bool warning_is_new(struct rib_reader *reader, const char *file, const ch
 
 void rib_warn(struct rib_reader *reader, const struct rib_location *location, const char *key,
               const char *format, ...) {
-    if (reader->warning_total >= RIB_WARNINGS_MAX || !warning_is_new(reader, location->at.file, key))
+    if (reader->warning_total >= RIB_WARNINGS_MAX ||
+        !warning_is_new(reader, location->at.file, key))
         return;
     char text[1024], message[2048];
     va_list arguments;

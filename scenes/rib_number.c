@@ -27,7 +27,8 @@ static void decimal_add_digit(struct decimal *decimal, char c) {
         decimal->mantissa = decimal->mantissa * 10 + (uint64_t)(c - '0');
 }
 
-/* sign? digits* ('.' digits*)? ([eE] sign? digits+)? with at least one digit before the exponent. */
+/* sign? digits* ('.' digits*)? ([eE] sign? digits+)? with at least one digit before the exponent.
+ */
 static bool decimal_scan(const char *at, const char *end, struct decimal *decimal) {
     *decimal = (struct decimal){0};
     if (at < end && (*at == '-' || *at == '+'))

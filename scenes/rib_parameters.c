@@ -12,15 +12,16 @@ void parameter_list_finish(struct parameter_list *list) {
     *list = (struct parameter_list){0};
 }
 
-const struct primitive_variable *parameter_list_find(const struct parameter_list *list, const char *name) {
+const struct primitive_variable *parameter_list_find(const struct parameter_list *list,
+                                                     const char *name) {
     for (int i = 0; i < list->count; i++)
         if (strcmp(list->items[i].name, name) == 0)
             return &list->items[i];
     return NULL;
 }
 
-/* The declaration of a parameter: inline ("uniform float Kd") or by name; NULL for an undeclared name that is
- * to be skipped. */
+/* The declaration of a parameter: inline ("uniform float Kd") or by name; NULL for an undeclared
+ * name that is to be skipped. */
 static bool parameter_resolve(struct rib_reader *reader, enum parameter_mode mode,
                               const struct rib_token *token, const char **name,
                               const struct declaration **declaration) {
@@ -43,8 +44,8 @@ static bool parameter_resolve(struct rib_reader *reader, enum parameter_mode mod
                          "%s: parameter \"%.100s\" is not declared; declare it: "
                          "Declare \"%.100s\" \"uniform float\"",
                          reader->request, text, text);
-    rib_warn(reader, &location, text, "%s: parameter \"%.100s\" is not declared: skipped", reader->request,
-             text);
+    rib_warn(reader, &location, text, "%s: parameter \"%.100s\" is not declared: skipped",
+             reader->request, text);
     return true;
 }
 
@@ -67,8 +68,8 @@ static bool read_strings(struct rib_reader *reader, struct primitive_variable *i
     if (token->kind == RIB_TOKEN_BAD)
         return rib_error(reader, &token->location, "%s", token->text);
     if (!is_bracketed || token->kind != RIB_TOKEN_CLOSE)
-        return rib_error(reader, &token->location, "%s: a string of \"%s\" expected", reader->request,
-                         item->name);
+        return rib_error(reader, &token->location, "%s: a string of \"%s\" expected",
+                         reader->request, item->name);
     rib_take(reader);
     return true;
 }
@@ -105,8 +106,8 @@ static bool read_value(struct rib_reader *reader, struct primitive_variable *ite
                              reader->request, item->name, item->values[i]);
     for (size_t i = 0; item->type == RIB_INTEGER && i < item->count; i++)
         if (item->values[i] != floor(item->values[i]))
-            return rib_error(reader, &location, "%s: \"%s\" takes integers, not %g", reader->request,
-                             item->name, item->values[i]);
+            return rib_error(reader, &location, "%s: \"%s\" takes integers, not %g",
+                             reader->request, item->name, item->values[i]);
     return true;
 }
 
@@ -125,8 +126,8 @@ static bool read_parameter(struct rib_reader *reader, enum parameter_mode mode,
         return rib_error(reader, &location, "%s: \"%.100s\" is given twice", reader->request, name);
     list->items =
         memory_grow(list->items, &list->capacity, (size_t)list->count + 1, sizeof *list->items);
-    list->locations = memory_grow(list->locations, &list->location_capacity, (size_t)list->count + 1,
-                                  sizeof *list->locations);
+    list->locations = memory_grow(list->locations, &list->location_capacity,
+                                  (size_t)list->count + 1, sizeof *list->locations);
     list->locations[list->count] = location;
     struct primitive_variable *item = &list->items[list->count++];
     *item = (struct primitive_variable){.name = name,
@@ -137,7 +138,8 @@ static bool read_parameter(struct rib_reader *reader, enum parameter_mode mode,
     return read_value(reader, item);
 }
 
-bool rib_read_parameters(struct rib_reader *reader, enum parameter_mode mode, struct parameter_list *list) {
+bool rib_read_parameters(struct rib_reader *reader, enum parameter_mode mode,
+                         struct parameter_list *list) {
     *list = (struct parameter_list){0};
     while (rib_peek(reader)->kind == RIB_TOKEN_STRING) {
         if (list->count >= 1000)

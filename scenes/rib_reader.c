@@ -70,8 +70,8 @@ void rib_source_pop(struct rib_reader *reader) {
     rib_lexer_close(&reader->sources[--reader->source_count]);
 }
 
-bool rib_reader_open(const char *path, const struct scene_options *options, struct rib_reader **reader,
-                     struct status *status) {
+bool rib_reader_open(const char *path, const struct scene_options *options,
+                     struct rib_reader **reader, struct status *status) {
     *reader = reader_create(options);
     if (rib_source_push(*reader, path, status))
         return true;

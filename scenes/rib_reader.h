@@ -32,7 +32,8 @@ struct declaration {
 /* A parameter list as read; the array and its values are owned. */
 struct parameter_list {
     struct primitive_variable *items;
-    struct rib_location *locations; /* of the names, owned; NULL after they moved into a primitive */
+    struct rib_location
+        *locations; /* of the names, owned; NULL after they moved into a primitive */
     int count;
     size_t capacity;
     size_t location_capacity;
@@ -43,7 +44,8 @@ enum parameter_mode {
     PARAMETERS_LENIENT, /* an undeclared name is a warning and skipped: options and attributes */
 };
 
-/* Things named by handles (lights, objects): an inner definition hides an outer one until its scope ends. */
+/* Things named by handles (lights, objects): an inner definition hides an outer one until its scope
+ * ends. */
 struct handle {
     const char *key; /* interned */
     void *value;
@@ -83,7 +85,14 @@ struct camera_options {
     const char *display_name;
 };
 
-enum block_kind { BLOCK_FRAME, BLOCK_WORLD, BLOCK_ATTRIBUTE, BLOCK_TRANSFORM, BLOCK_OBJECT, BLOCK_MOTION };
+enum block_kind {
+    BLOCK_FRAME,
+    BLOCK_WORLD,
+    BLOCK_ATTRIBUTE,
+    BLOCK_TRANSFORM,
+    BLOCK_OBJECT,
+    BLOCK_MOTION
+};
 
 struct block {
     enum block_kind kind;
@@ -119,7 +128,7 @@ struct rib_reader {
     uint64_t light_sequence;
     int frame_number;
     bool in_frame, in_world, in_object, in_motion;
-    int motion_samples; /* requests met in the motion block */
+    int motion_samples;        /* requests met in the motion block */
     struct rib_object *object; /* being defined; the table of objects owns it */
     struct mat4 world_to_camera;
     struct frame_builder builder;
@@ -136,9 +145,10 @@ struct rib_reader {
 
 /* Messages (rib_messages.c). */
 
-/* Fails the call in progress with "FILE:LINE:COLUMN: error: ..." and the source line; returns false. */
-bool rib_error(struct rib_reader *reader, const struct rib_location *location, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+/* Fails the call in progress with "FILE:LINE:COLUMN: error: ..." and the source line; returns
+ * false. */
+bool rib_error(struct rib_reader *reader, const struct rib_location *location, const char *format,
+               ...) __attribute__((format(printf, 3, 4)));
 bool rib_error_code(struct rib_reader *reader, const struct rib_location *location,
                     enum status_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -156,10 +166,11 @@ bool rib_read_integer(struct rib_reader *reader, const char *what, int minimum, 
                       int *integer);
 /* Exactly `count` numbers, in brackets or bare. */
 bool rib_read_numbers(struct rib_reader *reader, const char *what, double *numbers, size_t count);
-/* A bracketed array of any length, or one bare number. The caller frees *numbers, also after failure. */
+/* A bracketed array of any length, or one bare number. The caller frees *numbers, also after
+ * failure. */
 bool rib_read_array(struct rib_reader *reader, const char *what, double **numbers, size_t *count);
-bool rib_read_integer_array(struct rib_reader *reader, const char *what, int minimum, int **integers,
-                            size_t *count);
+bool rib_read_integer_array(struct rib_reader *reader, const char *what, int minimum,
+                            int **integers, size_t *count);
 /* An interned string. */
 bool rib_read_string(struct rib_reader *reader, const char *what, const char **string);
 /* A handle of a light or object: number or string, as an interned key. */
@@ -167,17 +178,19 @@ bool rib_read_handle(struct rib_reader *reader, const char *what, const char **k
 /* Drops everything up to the next request. */
 bool rib_skip_arguments(struct rib_reader *reader);
 /* `list` is initialised here; release it with parameter_list_finish, also after failure. */
-bool rib_read_parameters(struct rib_reader *reader, enum parameter_mode mode, struct parameter_list *list);
-const struct primitive_variable *parameter_list_find(const struct parameter_list *list, const char *name);
+bool rib_read_parameters(struct rib_reader *reader, enum parameter_mode mode,
+                         struct parameter_list *list);
+const struct primitive_variable *parameter_list_find(const struct parameter_list *list,
+                                                     const char *name);
 void parameter_list_finish(struct parameter_list *list);
 
 /* Declarations (rib_declarations.c). */
 
 void rib_declare_standard(struct rib_reader *reader);
-/* Parses "[class] type[n]", and with `is_inline` the name after it; returns NULL and sets *problem when the
- * text is none. The result lives as long as the reader. */
-const struct declaration *rib_parse_declaration(struct rib_reader *reader, const char *text, bool is_inline,
-                                                const char **problem);
+/* Parses "[class] type[n]", and with `is_inline` the name after it; returns NULL and sets *problem
+ * when the text is none. The result lives as long as the reader. */
+const struct declaration *rib_parse_declaration(struct rib_reader *reader, const char *text,
+                                                bool is_inline, const char **problem);
 
 /* Building frames (rib_frame.c). */
 

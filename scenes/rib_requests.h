@@ -14,8 +14,8 @@ enum rib_context {
     ANYWHERE = IN_SCENE | IN_OBJECT,
 };
 
-/* Every request that the reader knows: read_ignored ones cannot change the picture that this renderer makes,
- * read_unsupported ones can and say so.
+/* Every request that the reader knows: read_ignored ones cannot change the picture that this
+ * renderer makes, read_unsupported ones can and say so.
  *
  * X(NAME, where it may stand, the function that carries it out) */
 #define RIB_REQUESTS(X)                                                                            \
@@ -126,8 +126,8 @@ enum rib_context {
 RIB_REQUESTS(DECLARE_REQUEST)
 #undef DECLARE_REQUEST
 
-/* The end of reading a primitive (rib_requests_geometry.c): moves the list into it, checks it, and keeps it in
- * the object or tessellates it. Releases both, as rib_fail_primitive does. */
+/* The end of reading a primitive (rib_requests_geometry.c): moves the list into it, checks it, and
+ * keeps it in the object or tessellates it. Releases both, as rib_fail_primitive does. */
 bool rib_finish_primitive(struct rib_reader *reader, struct primitive *primitive,
                           struct parameter_list *list);
 /* Returns false. */

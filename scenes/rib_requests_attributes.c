@@ -64,7 +64,8 @@ bool read_reverse_orientation(struct rib_reader *reader) {
 
 bool read_texture_coordinates(struct rib_reader *reader) {
     warn_in_object(reader);
-    return rib_read_numbers(reader, "s1 t1 s2 t2 s3 t3 s4 t4", reader->state.texture_coordinates, 8);
+    return rib_read_numbers(reader, "s1 t1 s2 t2 s3 t3 s4 t4", reader->state.texture_coordinates,
+                            8);
 }
 
 static const struct {
@@ -95,9 +96,9 @@ static bool read_basis_matrix(struct rib_reader *reader, double matrix[4][4], in
         while (i < count && strcmp(bases[i].name, name) != 0)
             i++;
         if (i == count)
-            return rib_error(reader, &location,
-                             "Basis \"%.100s\": bezier, b-spline, catmull-rom, hermite or power expected",
-                             name);
+            return rib_error(
+                reader, &location,
+                "Basis \"%.100s\": bezier, b-spline, catmull-rom, hermite or power expected", name);
         memcpy(matrix, bases[i].matrix, sizeof bases[i].matrix);
         *step = bases[i].step;
     } else {
@@ -124,7 +125,8 @@ bool read_basis(struct rib_reader *reader) {
 }
 
 static bool shader_parameter(struct rib_reader *reader, const struct primitive_variable *item,
-                             const struct rib_location *location, struct scene_parameter *parameter) {
+                             const struct rib_location *location,
+                             struct scene_parameter *parameter) {
     size_t needed = (size_t)primitive_variable_components(item);
     if (item->type == RIB_MATRIX || item->type == RIB_HPOINT)
         return rib_error(reader, location, "%s: parameters of type %s are not supported",

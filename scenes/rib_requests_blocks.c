@@ -10,8 +10,8 @@ static const char *const block_names[] = {"Frame",     "World",  "Attribute",
 
 static bool block_push(struct rib_reader *reader, enum block_kind kind) {
     if (reader->block_count >= RIB_BLOCK_DEPTH_MAX)
-        return rib_error_code(reader, &reader->request_at, STATUS_LIMIT, "more than %d nested blocks",
-                              RIB_BLOCK_DEPTH_MAX);
+        return rib_error_code(reader, &reader->request_at, STATUS_LIMIT,
+                              "more than %d nested blocks", RIB_BLOCK_DEPTH_MAX);
     reader->blocks = memory_grow(reader->blocks, &reader->block_capacity, reader->block_count + 1,
                                  sizeof *reader->blocks);
     struct block *block = &reader->blocks[reader->block_count++];
@@ -31,8 +31,9 @@ static bool block_pop(struct rib_reader *reader, enum block_kind kind) {
         return rib_error(reader, &reader->request_at, "%sEnd without %sBegin", block_names[kind],
                          block_names[kind]);
     if (block->kind != kind)
-        return rib_error(reader, &reader->request_at, "%sEnd, but the %sBegin of line %d is still open",
-                         block_names[kind], block_names[block->kind], block->location.at.line);
+        return rib_error(reader, &reader->request_at,
+                         "%sEnd, but the %sBegin of line %d is still open", block_names[kind],
+                         block_names[block->kind], block->location.at.line);
     reader->block_count--;
     if (kind == BLOCK_TRANSFORM) {
         reader->state.transform = block->transform;
@@ -148,7 +149,8 @@ bool read_object_instance(struct rib_reader *reader) {
         return false;
     const struct rib_object *object = handle_table_find(&reader->objects, key);
     if (!object)
-        return rib_error(reader, &location, "ObjectInstance: there is no object with this handle here");
+        return rib_error(reader, &location,
+                         "ObjectInstance: there is no object with this handle here");
     for (size_t i = 0; i < object->count; i++)
         if (!rib_frame_add(reader, &object->primitives[i]))
             return false;

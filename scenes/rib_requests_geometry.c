@@ -45,21 +45,23 @@ static bool has_standard_type(const struct primitive_variable *item) {
 static bool check_variable(struct rib_reader *reader, const struct primitive *primitive,
                            const struct primitive_variable *item,
                            const struct rib_location *location) {
-    static const char *const classes[] = {"constant", "uniform", "varying", "vertex", "facevarying"};
+    static const char *const classes[] = {"constant", "uniform", "varying", "vertex",
+                                          "facevarying"};
     if (item->type == RIB_HPOINT || item->type == RIB_MATRIX || strcmp(item->name, "Pz") == 0)
-        return rib_error(reader, location, "%s: \"%.100s\" of type %s is not supported", reader->request,
-                         item->name, rib_type_name(item->type));
+        return rib_error(reader, location, "%s: \"%.100s\" of type %s is not supported",
+                         reader->request, item->name, rib_type_name(item->type));
     if (is_reserved(item->name))
         return rib_error(reader, location, "%s: \"%s\" is computed and cannot be given",
                          reader->request, item->name);
     if (!has_standard_type(item))
-        return rib_error(reader, location, "%s: \"%s\" is declared with another type than it has in RIB",
+        return rib_error(reader, location,
+                         "%s: \"%s\" is declared with another type than it has in RIB",
                          reader->request, item->name);
     size_t values = primitive_value_count(primitive, item->storage);
     size_t needed = values * (size_t)primitive_variable_components(item);
     if (item->type == RIB_STRING && values != 1)
-        return rib_error(reader, location, "%s: strings must be constant (\"%.100s\")", reader->request,
-                         item->name);
+        return rib_error(reader, location, "%s: strings must be constant (\"%.100s\")",
+                         reader->request, item->name);
     if (item->count != needed)
         return rib_error(reader, location, "%s: \"%.100s\" (%s %s) takes %zu values, not %zu",
                          reader->request, item->name, classes[item->storage],
@@ -68,7 +70,7 @@ static bool check_variable(struct rib_reader *reader, const struct primitive *pr
 }
 
 bool rib_finish_primitive(struct rib_reader *reader, struct primitive *primitive,
-                             struct parameter_list *list) {
+                          struct parameter_list *list) {
     bool is_good = true;
     primitive->variables = list->items;
     primitive->variable_count = list->count;
@@ -110,7 +112,8 @@ bool read_quadric(struct rib_reader *reader) {
         return rib_fail_primitive(&primitive, &list);
     const struct primitive_variable *points = parameter_list_find(&list, "P");
     if (points) {
-        rib_error(reader, &list.locations[points - list.items], "%s takes no \"P\"", reader->request);
+        rib_error(reader, &list.locations[points - list.items], "%s takes no \"P\"",
+                  reader->request);
         return rib_fail_primitive(&primitive, &list);
     }
     return rib_finish_primitive(reader, &primitive, &list);
@@ -121,8 +124,9 @@ bool rib_find_points(struct rib_reader *reader, const struct parameter_list *lis
     if (!points) {
         for (int i = 0; i < list->count; i++)
             if (strcmp(list->items[i].name, "Pw") == 0 || strcmp(list->items[i].name, "Pz") == 0)
-                return rib_error(reader, &list->locations[i], "%s: \"%s\" is not supported; give \"P\"",
-                                 reader->request, list->items[i].name);
+                return rib_error(reader, &list->locations[i],
+                                 "%s: \"%s\" is not supported; give \"P\"", reader->request,
+                                 list->items[i].name);
         return rib_error(reader, &reader->request_at, "%s needs \"P\"", reader->request);
     }
     if (points->type != RIB_POINT || points->array_length || points->count % 3 ||
@@ -141,7 +145,8 @@ static bool read_patch_type(struct rib_reader *reader, struct patch_mesh *mesh) 
         return false;
     mesh->order = strcmp(type, "bilinear") == 0 ? 2 : strcmp(type, "bicubic") == 0 ? 4 : 0;
     if (!mesh->order)
-        return rib_error(reader, &location, "%s: \"bilinear\" or \"bicubic\" expected", reader->request);
+        return rib_error(reader, &location, "%s: \"bilinear\" or \"bicubic\" expected",
+                         reader->request);
     memcpy(mesh->basis, reader->state.basis, sizeof mesh->basis);
     for (int i = 0; i < 2; i++)
         mesh->step[i] = mesh->order == 2 ? 1 : reader->state.basis_step[i];
@@ -167,10 +172,12 @@ static bool count_patches(struct rib_reader *reader, struct patch_mesh *mesh, in
     bool is_periodic = mesh->is_periodic[axis];
     const char *direction = axis ? "v" : "u";
     if (is_periodic && points % step)
-        return rib_error(reader, location, "%s: %d periodic points in %s: a multiple of %d expected",
-                         reader->request, points, direction, step);
+        return rib_error(reader, location,
+                         "%s: %d periodic points in %s: a multiple of %d expected", reader->request,
+                         points, direction, step);
     if (!is_periodic && (points < order || (points - order) % step))
-        return rib_error(reader, location, "%s: %d points in %s: %d and a multiple of %d more expected",
+        return rib_error(reader, location,
+                         "%s: %d points in %s: %d and a multiple of %d more expected",
                          reader->request, points, direction, order, step);
     mesh->patch_count[axis] = is_periodic ? points / step : (points - order) / step + 1;
     return true;
@@ -180,12 +187,13 @@ static bool finish_patches(struct rib_reader *reader, struct primitive *primitiv
                            struct parameter_list *list) {
     const struct patch_mesh *mesh = &primitive->patches;
     size_t points, needed = (size_t)mesh->point_count[0] * (size_t)mesh->point_count[1];
-    if (!rib_read_parameters(reader, PARAMETERS_STRICT, list) || !rib_find_points(reader, list, &points))
+    if (!rib_read_parameters(reader, PARAMETERS_STRICT, list) ||
+        !rib_find_points(reader, list, &points))
         return rib_fail_primitive(primitive, list);
     if (points != needed) {
         const struct primitive_variable *item = parameter_list_find(list, "P");
-        rib_error(reader, &list->locations[item - list->items], "%s: \"P\" takes %zu points, not %zu",
-                  reader->request, needed, points);
+        rib_error(reader, &list->locations[item - list->items],
+                  "%s: \"P\" takes %zu points, not %zu", reader->request, needed, points);
         return rib_fail_primitive(primitive, list);
     }
     return rib_finish_primitive(reader, primitive, list);

@@ -29,7 +29,8 @@ bool read_ignored(struct rib_reader *reader) {
 }
 
 bool read_unsupported(struct rib_reader *reader) {
-    rib_warn(reader, &reader->request_at, reader->request, "%s is not supported: skipped", reader->request);
+    rib_warn(reader, &reader->request_at, reader->request, "%s is not supported: skipped",
+             reader->request);
     return rib_skip_arguments(reader);
 }
 
@@ -41,7 +42,8 @@ static bool check_parameters(struct rib_reader *reader) {
     return is_good;
 }
 
-/* Option and Attribute: a category, then parameters. Those in `harmless` cannot change the picture. */
+/* Option and Attribute: a category, then parameters. Those in `harmless` cannot change the picture.
+ */
 static bool read_category(struct rib_reader *reader, const char *const *harmless) {
     const char *category;
     struct rib_location location = rib_peek(reader)->location;
@@ -52,7 +54,8 @@ static bool read_category(struct rib_reader *reader, const char *const *harmless
             return rib_skip_arguments(reader);
     char key[256];
     snprintf(key, sizeof key, "%s %.200s", reader->request, category);
-    rib_warn(reader, &location, key, "%s \"%.100s\" is not supported: skipped", reader->request, category);
+    rib_warn(reader, &location, key, "%s \"%.100s\" is not supported: skipped", reader->request,
+             category);
     return check_parameters(reader);
 }
 
@@ -140,7 +143,8 @@ bool read_projection(struct rib_reader *reader) {
     bool is_perspective = strcmp(name, "perspective") == 0;
     if (!is_perspective && strcmp(name, "orthographic") != 0)
         return rib_error(reader, &location,
-                         "Projection \"%.100s\": \"perspective\" or \"orthographic\" expected", name);
+                         "Projection \"%.100s\": \"perspective\" or \"orthographic\" expected",
+                         name);
     struct parameter_list list;
     bool is_good = rib_read_parameters(reader, PARAMETERS_LENIENT, &list);
     const struct primitive_variable *fov = is_good ? parameter_list_find(&list, "fov") : NULL;
@@ -148,8 +152,9 @@ bool read_projection(struct rib_reader *reader) {
     if (fov) {
         degrees = fov->count == 1 && fov->values ? fov->values[0] : 0;
         if (!(degrees > 0 && degrees < 180))
-            is_good = rib_error(reader, &list.locations[fov - list.items],
-                                "Projection: \"fov\" takes one number above 0 and below 180 degrees");
+            is_good =
+                rib_error(reader, &list.locations[fov - list.items],
+                          "Projection: \"fov\" takes one number above 0 and below 180 degrees");
     }
     parameter_list_finish(&list);
     reader->camera.is_perspective = is_perspective;
@@ -188,8 +193,8 @@ bool read_display(struct rib_reader *reader) {
         return false;
     /* "+name" adds an output to the first one, which is all that we make. */
     if (name[0] == '+') {
-        rib_warn(reader, &reader->request_at, "Display +", "Display \"%.100s\": only one output is made",
-                 name);
+        rib_warn(reader, &reader->request_at, "Display +",
+                 "Display \"%.100s\": only one output is made", name);
         return true;
     }
     reader->camera.display_name = strcmp(type, "framebuffer") == 0 ? NULL : name;

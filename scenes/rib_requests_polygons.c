@@ -28,15 +28,17 @@ static bool check_sum(struct rib_reader *reader, const int *array, size_t count,
     if (*sum > INT_MAX)
         return rib_error(reader, &reader->request_at, "%s: too many %s", reader->request, what);
     if (expected != SIZE_MAX && *sum != expected)
-        return rib_error(reader, &reader->request_at, "%s: the counts add up to %zu %s, but %zu are given",
-                         reader->request, *sum, what, expected);
+        return rib_error(reader, &reader->request_at,
+                         "%s: the counts add up to %zu %s, but %zu are given", reader->request,
+                         *sum, what, expected);
     return true;
 }
 
 static bool read_counts(struct rib_reader *reader, unsigned arrays, struct polygon_mesh *mesh) {
     size_t sum;
     if (arrays & HAVE_FACE_LOOPS) {
-        if (!rib_read_integer_array(reader, "number of loops", 1, &mesh->face_loops, &mesh->face_count))
+        if (!rib_read_integer_array(reader, "number of loops", 1, &mesh->face_loops,
+                                    &mesh->face_count))
             return false;
     }
     if (arrays & HAVE_LOOP_CORNERS) {
@@ -49,13 +51,15 @@ static bool read_counts(struct rib_reader *reader, unsigned arrays, struct polyg
     }
     if (arrays & HAVE_CORNERS) {
         size_t count = mesh->corner_count;
-        if (!rib_read_integer_array(reader, "index of a point", 0, &mesh->corners, &mesh->corner_count) ||
+        if (!rib_read_integer_array(reader, "index of a point", 0, &mesh->corners,
+                                    &mesh->corner_count) ||
             !check_sum(reader, mesh->loop_corners, mesh->loop_count, mesh->corner_count, "corners",
                        &count))
             return false;
     }
     if (arrays & HAVE_FACE_LOOPS)
-        return check_sum(reader, mesh->face_loops, mesh->face_count, mesh->loop_count, "loops", &sum);
+        return check_sum(reader, mesh->face_loops, mesh->face_count, mesh->loop_count, "loops",
+                         &sum);
     if (arrays & HAVE_CORNERS) {
         mesh->face_count = mesh->loop_count;
         mesh->face_loops = array_fill(mesh->face_count, 1);

@@ -63,8 +63,9 @@ bool read_scale(struct rib_reader *reader) {
     return true;
 }
 
-/* Moves points along `along` by tan(angle) times how far they are along `away`; after RI: a point on `away`
- * turns by `angle` degrees towards `along`. Both vectors should be perpendicular; if not, `along` is split. */
+/* Moves points along `along` by tan(angle) times how far they are along `away`; after RI: a point
+ * on `away` turns by `angle` degrees towards `along`. Both vectors should be perpendicular; if not,
+ * `along` is split. */
 bool read_skew(struct rib_reader *reader) {
     double v[7];
     if (!rib_read_numbers(reader, "angle dx1 dy1 dz1 dx2 dy2 dz2", v, 7))
@@ -90,7 +91,8 @@ bool read_perspective(struct rib_reader *reader) {
     if (!rib_read_number(reader, "fov", &degrees))
         return false;
     if (!(degrees > 0 && degrees < 180))
-        return rib_error(reader, &reader->request_at, "Perspective: fov must be above 0 and below 180");
+        return rib_error(reader, &reader->request_at,
+                         "Perspective: fov must be above 0 and below 180");
     double d = tan(degrees * (M_PI / 360));
     struct mat4 matrix = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, d, d}, {0, 0, -d, 0}}};
     concatenate(reader, &matrix);

@@ -17,8 +17,8 @@ void bounds_add(struct bounds *bounds, struct vec3 point) {
                              fmax(bounds->high.z, point.z));
 }
 
-/* The largest singular value of the upper 3x3: the square root of the largest eigenvalue of M M^T, in closed
- * form for symmetric matrices. */
+/* The largest singular value of the upper 3x3: the square root of the largest eigenvalue of M M^T,
+ * in closed form for symmetric matrices. */
 static double largest_scale(const struct mat4 *matrix) {
     double a[3][3], largest = 0;
     for (int i = 0; i < 3; i++)
@@ -52,7 +52,8 @@ bool tessellate(struct tessellation *t, const struct primitive *primitive, struc
     const double(*m)[4] = t->object_to_camera.m;
     t->is_affine = m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1;
     double determinant = mat4_determinant3(&t->object_to_camera);
-    if (determinant == 0 || !isfinite(determinant)) { /* by underflow or overflow: decide at scale 1 */
+    if (determinant == 0 ||
+        !isfinite(determinant)) { /* by underflow or overflow: decide at scale 1 */
         struct mat4 scaled = t->object_to_camera;
         double largest = 0;
         for (int i = 0; i < 9; i++)
@@ -74,14 +75,15 @@ bool tessellate(struct tessellation *t, const struct primitive *primitive, struc
     }
 }
 
-/* The camera-space box of an object-space box; false when the map is projective and the box may meet the plane
- * that it sends to infinity. */
+/* The camera-space box of an object-space box; false when the map is projective and the box may
+ * meet the plane that it sends to infinity. */
 static bool bounds_to_camera(const struct tessellation *t, const struct bounds *object,
                              struct bounds *camera) {
     const double(*m)[4] = t->object_to_camera.m;
     *camera = bounds_empty();
     for (int i = 0; i < 8; i++) {
-        struct vec3 corner = {i & 1 ? object->high.x : object->low.x, i & 2 ? object->high.y : object->low.y,
+        struct vec3 corner = {i & 1 ? object->high.x : object->low.x,
+                              i & 2 ? object->high.y : object->low.y,
                               i & 4 ? object->high.z : object->low.z};
         double w = corner.x * m[0][3] + corner.y * m[1][3] + corner.z * m[2][3] + m[3][3];
         if (!(w > 0))
@@ -91,7 +93,8 @@ static bool bounds_to_camera(const struct tessellation *t, const struct bounds *
     return true;
 }
 
-/* Whether the box lies wholly on the far side of one plane of the view; a pixel of margin all around. */
+/* Whether the box lies wholly on the far side of one plane of the view; a pixel of margin all
+ * around. */
 static bool box_is_outside(const struct scene_camera *camera, const struct bounds *box) {
     if (box->high.z < camera->near_plane || box->low.z > camera->far_plane)
         return true;
@@ -109,10 +112,12 @@ static bool box_is_outside(const struct scene_camera *camera, const struct bound
            box->low.y - fmax(top * box->low.z, top * box->high.z) > 0;
 }
 
-struct visibility tessellation_visibility(const struct tessellation *t, const struct bounds *bounds) {
+struct visibility tessellation_visibility(const struct tessellation *t,
+                                          const struct bounds *bounds) {
     const struct scene_camera *camera = t->camera;
     const double *window = camera->screen_window;
-    double pixels = fmax(camera->width / (window[1] - window[0]), camera->height / (window[3] - window[2]));
+    double pixels =
+        fmax(camera->width / (window[1] - window[0]), camera->height / (window[3] - window[2]));
     struct bounds box;
     if (!bounds_to_camera(t, bounds, &box))
         return (struct visibility){false, INFINITY};
@@ -121,9 +126,9 @@ struct visibility tessellation_visibility(const struct tessellation *t, const st
         return visibility;
     struct vec3 size = vec3_subtract(box.high, box.low);
     double radius = sqrt(vec3_dot(size, size)) / 2;
-    double nearest =
-        fmax(fmax(box.low.z, camera->near_plane), nearest_part_of_radius * radius);
-    /* Depth also moves a point across the image, in proportion to how far off the axis it is seen. */
+    double nearest = fmax(fmax(box.low.z, camera->near_plane), nearest_part_of_radius * radius);
+    /* Depth also moves a point across the image, in proportion to how far off the axis it is seen.
+     */
     double x = fmax(fabs(window[0]), fabs(window[1])), y = fmax(fabs(window[2]), fabs(window[3]));
     visibility.pixels_per_unit *= sqrt(1 + x * x + y * y) / nearest;
     return visibility;
@@ -132,10 +137,11 @@ struct visibility tessellation_visibility(const struct tessellation *t, const st
 double tessellation_pixels_at_distance(const struct tessellation *t, double distance) {
     const struct scene_camera *camera = t->camera;
     const double *window = camera->screen_window;
-    double pixels = fmax(camera->width / (window[1] - window[0]), camera->height / (window[3] - window[2]));
+    double pixels =
+        fmax(camera->width / (window[1] - window[0]), camera->height / (window[3] - window[2]));
     double x = fmax(fabs(window[0]), fabs(window[1])), y = fmax(fabs(window[2]), fabs(window[3]));
-    /* 1 / the largest scale of the inverse is the smallest scale of the map. Within the view, depth is at
-     * least the distance over sqrt(1 + x^2 + y^2). */
+    /* 1 / the largest scale of the inverse is the smallest scale of the map. Within the view, depth
+     * is at least the distance over sqrt(1 + x^2 + y^2). */
     double depth = distance / largest_scale(&t->camera_to_object) / sqrt(1 + x * x + y * y);
     return pixels * t->scale_max * sqrt(1 + x * x + y * y) / depth;
 }

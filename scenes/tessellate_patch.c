@@ -4,10 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Bilinear and bicubic patch meshes. Every column and every row of patches has one number of divisions, so that
- * neighbours share their vertices and no crack opens. */
+/* Bilinear and bicubic patch meshes. Every column and every row of patches has one number of
+ * divisions, so that neighbours share their vertices and no crack opens. */
 
-/* The weights of the control points along one axis and their derivatives, for one parameter value. */
+/* The weights of the control points along one axis and their derivatives, for one parameter value.
+ */
 struct axis_weights {
     double value[4], first[4], second[4];
 };
@@ -35,8 +36,10 @@ static void patch_load(const struct patch_mesh *mesh, const double *values, int 
                        struct patch *patch) {
     for (int j = 0; j < mesh->order; j++)
         for (int i = 0; i < mesh->order; i++) {
-            size_t x = ((size_t)column * (size_t)mesh->step[0] + (size_t)i) % (size_t)mesh->point_count[0];
-            size_t y = ((size_t)row * (size_t)mesh->step[1] + (size_t)j) % (size_t)mesh->point_count[1];
+            size_t x =
+                ((size_t)column * (size_t)mesh->step[0] + (size_t)i) % (size_t)mesh->point_count[0];
+            size_t y =
+                ((size_t)row * (size_t)mesh->step[1] + (size_t)j) % (size_t)mesh->point_count[1];
             size_t index = y * (size_t)mesh->point_count[0] + x;
             patch->index[j * mesh->order + i] = index;
             patch->points[j * mesh->order + i] =
@@ -44,7 +47,8 @@ static void patch_load(const struct patch_mesh *mesh, const double *values, int 
         }
 }
 
-static struct vec3 patch_sum(const struct patch *patch, int order, const double *u, const double *v) {
+static struct vec3 patch_sum(const struct patch *patch, int order, const double *u,
+                             const double *v) {
     struct vec3 sum = {0, 0, 0};
     for (int j = 0; j < order; j++) {
         struct vec3 along = {0, 0, 0};
@@ -59,16 +63,20 @@ static double vec3_length(struct vec3 v) {
     return sqrt(vec3_dot(v, v));
 }
 
-/* How much the patch bends: the largest second derivatives found on a 4 x 4 grid; along u they are linear in u,
- * so that only the other way is sampled. A tenth is added for what lies between the samples. */
+/* How much the patch bends: the largest second derivatives found on a 4 x 4 grid; along u they are
+ * linear in u, so that only the other way is sampled. A tenth is added for what lies between the
+ * samples. */
 static void patch_bend(const struct patch_mesh *mesh, const struct patch *patch, double *along_u,
                        double *along_v, double *twist) {
     *along_u = *along_v = *twist = 0;
     for (int j = 0; j < 4; j++)
         for (int i = 0; i < 4; i++) {
-            struct axis_weights u = axis_weights_at(mesh, 0, i / 3.), v = axis_weights_at(mesh, 1, j / 3.);
-            *along_u = fmax(*along_u, vec3_length(patch_sum(patch, mesh->order, u.second, v.value)));
-            *along_v = fmax(*along_v, vec3_length(patch_sum(patch, mesh->order, u.value, v.second)));
+            struct axis_weights u = axis_weights_at(mesh, 0, i / 3.),
+                                v = axis_weights_at(mesh, 1, j / 3.);
+            *along_u =
+                fmax(*along_u, vec3_length(patch_sum(patch, mesh->order, u.second, v.value)));
+            *along_v =
+                fmax(*along_v, vec3_length(patch_sum(patch, mesh->order, u.value, v.second)));
             *twist = fmax(*twist, vec3_length(patch_sum(patch, mesh->order, u.first, v.first)));
         }
     *along_u *= 1.1;
@@ -90,26 +98,29 @@ static int at_least(int a, int b) {
     return a > b ? a : b;
 }
 
-/* A box around the patch itself: its control points bound it for the common bases; for others its own points
- * on the sampling grid are added. */
+/* A box around the patch itself: its control points bound it for the common bases; for others its
+ * own points on the sampling grid are added. */
 static struct bounds patch_bounds(const struct patch_mesh *mesh, const struct patch *patch) {
     struct bounds bounds = bounds_empty();
     for (int i = 0; i < mesh->order * mesh->order; i++)
         bounds_add(&bounds, patch->points[i]);
     for (int j = 0; mesh->order == 4 && j < 4; j++)
         for (int i = 0; i < 4; i++) {
-            struct axis_weights u = axis_weights_at(mesh, 0, i / 3.), v = axis_weights_at(mesh, 1, j / 3.);
+            struct axis_weights u = axis_weights_at(mesh, 0, i / 3.),
+                                v = axis_weights_at(mesh, 1, j / 3.);
             bounds_add(&bounds, patch_sum(patch, 4, u.value, v.value));
         }
-    struct vec3 margin = vec3_scale(vec3_subtract(bounds.high, bounds.low), mesh->order == 4 ? 0.15 : 0);
+    struct vec3 margin =
+        vec3_scale(vec3_subtract(bounds.high, bounds.low), mesh->order == 4 ? 0.15 : 0);
     bounds.low = vec3_subtract(bounds.low, margin);
     bounds.high = vec3_add(bounds.high, margin);
     return bounds;
 }
 
-/* Chooses the divisions of all columns and rows from the patches that can be seen; false when none can. */
-static bool grid_divide(const struct tessellation *t, const struct patch_mesh *mesh, const double *values,
-                        struct patch_grid *grid) {
+/* Chooses the divisions of all columns and rows from the patches that can be seen; false when none
+ * can. */
+static bool grid_divide(const struct tessellation *t, const struct patch_mesh *mesh,
+                        const double *values, struct patch_grid *grid) {
     double half = t->chord_pixels / 2, along[2], twist;
     bool is_visible = false;
     for (int axis = 0; axis < 2; axis++) {
@@ -131,7 +142,8 @@ static bool grid_divide(const struct tessellation *t, const struct patch_mesh *m
             int *nu = &grid->divisions[0][column], *nv = &grid->divisions[1][row];
             *nu = at_least(*nu, divide_curve(along[0] * pixels, half));
             *nv = at_least(*nv, divide_curve(along[1] * pixels, half));
-            /* A twisted cell of two triangles misses the surface by twist / 4 over its area's share. */
+            /* A twisted cell of two triangles misses the surface by twist / 4 over its area's
+             * share. */
             double cells = fmin(twist * pixels / (4 * half), (double)DIVISIONS_MAX * DIVISIONS_MAX);
             if (cells > (double)*nu * *nv) {
                 double more = sqrt(cells / ((double)*nu * *nv));
@@ -146,8 +158,8 @@ static bool grid_divide(const struct tessellation *t, const struct patch_mesh *m
 }
 
 /* dPdu x dPdv, or where an edge has shrunk to a point that of a place a little inside. */
-static struct vec3 patch_normal(const struct patch_mesh *mesh, const struct patch *patch, double u, double v,
-                                struct vec3 dpdu, struct vec3 dpdv) {
+static struct vec3 patch_normal(const struct patch_mesh *mesh, const struct patch *patch, double u,
+                                double v, struct vec3 dpdu, struct vec3 dpdv) {
     struct vec3 normal = vec3_cross(dpdu, dpdv);
     double size = 0;
     for (int i = 1; i < mesh->order * mesh->order; i++)
@@ -162,7 +174,8 @@ static struct vec3 patch_normal(const struct patch_mesh *mesh, const struct patc
 }
 
 /* Indices of the corners among the values of STORAGE_VARYING and STORAGE_FACEVARYING. */
-static void patch_corners(const struct patch_mesh *mesh, int column, int row, struct vertex_source *source) {
+static void patch_corners(const struct patch_mesh *mesh, int column, int row,
+                          struct vertex_source *source) {
     size_t width = (size_t)mesh->patch_count[0] + !mesh->is_periodic[0];
     size_t height = (size_t)mesh->patch_count[1] + !mesh->is_periodic[1];
     source->uniform = (size_t)row * (size_t)mesh->patch_count[0] + (size_t)column;
@@ -182,8 +195,9 @@ struct patch_place {
     struct vertex_source source;
 };
 
-static void put_patch_point(struct mesh_builder *builder, struct patch_place *place, double x, double y,
-                            const struct axis_weights *wu, const struct axis_weights *wv, size_t vertex) {
+static void put_patch_point(struct mesh_builder *builder, struct patch_place *place, double x,
+                            double y, const struct axis_weights *wu, const struct axis_weights *wv,
+                            size_t vertex) {
     const struct patch_mesh *mesh = place->mesh;
     const double *corners = builder->tessellation->texture_coordinates;
     int order = mesh->order;
@@ -213,8 +227,8 @@ static void put_patch_point(struct mesh_builder *builder, struct patch_place *pl
     mesh_builder_put(builder, vertex, &point, &place->source);
 }
 
-/* The vertices of one patch; those on its far edges belong to the next patch, if there is one. With values that
- * jump between patches, every patch has all of its own. */
+/* The vertices of one patch; those on its far edges belong to the next patch, if there is one. With
+ * values that jump between patches, every patch has all of its own. */
 static void put_patch(struct mesh_builder *builder, const struct patch_mesh *mesh,
                       const struct patch *patch, int column, int row, int nu, int nv, bool is_split,
                       size_t first, size_t stride) {
@@ -245,8 +259,8 @@ static bool values_jump(const struct primitive *primitive) {
     return false;
 }
 
-static void put_mesh(struct mesh_builder *builder, const struct primitive *primitive, const double *values,
-                     const struct patch_grid *grid, bool is_split) {
+static void put_mesh(struct mesh_builder *builder, const struct primitive *primitive,
+                     const double *values, const struct patch_grid *grid, bool is_split) {
     const struct patch_mesh *mesh = &primitive->patches;
     size_t stride = grid->total[0] + 1, next = 0, top = 0;
     for (int row = 0; row < mesh->patch_count[1]; row++) {
@@ -282,8 +296,9 @@ bool tessellate_patches(struct tessellation *t, const struct primitive *primitiv
         if (is_split)
             vertices = (grid.total[0] + (size_t)patches->patch_count[0]) *
                        (grid.total[1] + (size_t)patches->patch_count[1]);
-        is_good = mesh_builder_start(&builder, t, primitive, vertices, 2 * grid.total[0] * grid.total[1],
-                                     texture_coordinates_are_uv(t->texture_coordinates), mesh, status);
+        is_good =
+            mesh_builder_start(&builder, t, primitive, vertices, 2 * grid.total[0] * grid.total[1],
+                               texture_coordinates_are_uv(t->texture_coordinates), mesh, status);
         if (is_good) {
             put_mesh(&builder, primitive, values, &grid, is_split);
             mesh_builder_finish(&builder, mesh, &t->dropped_triangles);

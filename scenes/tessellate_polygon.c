@@ -10,11 +10,11 @@
 struct polygon_cutter {
     const struct polygon_mesh *mesh;
     const double *points;
-    bool is_split;           /* a vertex for each corner; otherwise for each point */
-    struct vec3 *normals;    /* of each vertex, not normalised */
-    size_t *face_of_vertex;  /* only when split */
-    double *plane_points;    /* scratch: the corners of one face in its plane */
-    uint32_t *cut;           /* scratch: its triangles */
+    bool is_split;          /* a vertex for each corner; otherwise for each point */
+    struct vec3 *normals;   /* of each vertex, not normalised */
+    size_t *face_of_vertex; /* only when split */
+    double *plane_points;   /* scratch: the corners of one face in its plane */
+    uint32_t *cut;          /* scratch: its triangles */
 };
 
 static struct vec3 point_at(const struct polygon_cutter *cutter, size_t corner) {
@@ -39,7 +39,8 @@ static struct vec3 loop_normal(const struct polygon_cutter *cutter, size_t first
 }
 
 /* Drops the coordinate along which the face is seen largest. */
-static void project_face(struct polygon_cutter *cutter, size_t first, size_t count, struct vec3 normal) {
+static void project_face(struct polygon_cutter *cutter, size_t first, size_t count,
+                         struct vec3 normal) {
     struct vec3 origin = point_at(cutter, first);
     double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
     for (size_t i = 0; i < count; i++) {
@@ -61,8 +62,8 @@ static bool cut_face(struct polygon_cutter *cutter, struct mesh_builder *builder
         return true;
     }
     project_face(cutter, first, count, loop_normal(cutter, first, (size_t)loop_corners[0]));
-    if (!triangulate_polygon(cutter->plane_points, loop_corners, loop_count, cutter->cut, &triangles,
-                             status))
+    if (!triangulate_polygon(cutter->plane_points, loop_corners, loop_count, cutter->cut,
+                             &triangles, status))
         return false;
     for (size_t i = 0; i < triangles; i++) {
         const uint32_t *corner = cutter->cut + 3 * i;
@@ -89,8 +90,8 @@ static void find_normals(struct polygon_cutter *cutter) {
     }
 }
 
-/* u and v of a polygon are x and y of object space, so that dPdu and dPdv follow the plane above the x and y
- * axes; planes that hold the z axis get unit vectors along them instead. */
+/* u and v of a polygon are x and y of object space, so that dPdu and dPdv follow the plane above
+ * the x and y axes; planes that hold the z axis get unit vectors along them instead. */
 static void find_tangents(struct surface_point *point) {
     struct vec3 n = vec3_normalize(point->normal);
     if (fabs(n.z) > 1e-3) {
@@ -111,10 +112,8 @@ static void put_vertices(struct polygon_cutter *cutter, struct mesh_builder *bui
     for (size_t i = 0; i < builder->vertex_count; i++) {
         size_t index = cutter->is_split ? (size_t)cutter->mesh->corners[i] : i;
         const double *p = cutter->points + 3 * index;
-        struct surface_point point = {.position = {p[0], p[1], p[2]},
-                                      .normal = cutter->normals[i],
-                                      .u = p[0],
-                                      .v = p[1]};
+        struct surface_point point = {
+            .position = {p[0], p[1], p[2]}, .normal = cutter->normals[i], .u = p[0], .v = p[1]};
         point.s = corners[0] + (corners[2] - corners[0]) * p[0] + (corners[4] - corners[0]) * p[1];
         point.t = corners[1] + (corners[3] - corners[1]) * p[0] + (corners[5] - corners[1]) * p[1];
         find_tangents(&point);
@@ -125,12 +124,14 @@ static void put_vertices(struct polygon_cutter *cutter, struct mesh_builder *bui
     }
 }
 
-/* Whether corners at one point may differ: in the plane normal where N is not given, in values of faces. */
+/* Whether corners at one point may differ: in the plane normal where N is not given, in values of
+ * faces. */
 static bool needs_split(const struct primitive *primitive) {
     bool has_n = false, is_single = primitive->polygons.face_count == 1;
     for (int i = 0; i < primitive->variable_count; i++) {
         const struct primitive_variable *item = &primitive->variables[i];
-        if (item->storage == STORAGE_FACEVARYING || (item->storage == STORAGE_UNIFORM && !is_single))
+        if (item->storage == STORAGE_FACEVARYING ||
+            (item->storage == STORAGE_UNIFORM && !is_single))
             return true;
         has_n |= strcmp(item->name, "N") == 0 || strcmp(item->name, "Np") == 0;
     }
@@ -138,7 +139,8 @@ static bool needs_split(const struct primitive *primitive) {
 }
 
 /* Upper bounds: of all triangles, and of the corners and loops of one face. */
-static size_t count_triangles(const struct polygon_mesh *mesh, size_t *corners_max, size_t *loops_max) {
+static size_t count_triangles(const struct polygon_mesh *mesh, size_t *corners_max,
+                              size_t *loops_max) {
     size_t triangles = 0, loop = 0;
     *corners_max = *loops_max = 0;
     for (size_t face = 0; face < mesh->face_count; face++) {
@@ -160,11 +162,13 @@ static bool is_visible(const struct tessellation *t, const struct primitive *pri
     return primitive->polygons.face_count > 0 && !tessellation_visibility(t, &bounds).is_outside;
 }
 
-static bool cut_faces(struct polygon_cutter *cutter, struct mesh_builder *builder, struct status *status) {
+static bool cut_faces(struct polygon_cutter *cutter, struct mesh_builder *builder,
+                      struct status *status) {
     const struct polygon_mesh *mesh = cutter->mesh;
     size_t corner = 0, loop = 0;
     for (size_t face = 0; face < mesh->face_count; face++) {
-        if (!cut_face(cutter, builder, corner, mesh->loop_corners + loop, mesh->face_loops[face], status))
+        if (!cut_face(cutter, builder, corner, mesh->loop_corners + loop, mesh->face_loops[face],
+                      status))
             return false;
         for (int i = 0; i < mesh->face_loops[face]; i++)
             corner += (size_t)mesh->loop_corners[loop++];

@@ -9,7 +9,8 @@
 /* A point of the profile for one value of v. */
 struct profile_point {
     struct vec3 position, dpdv;
-    struct vec3 normal; /* dPdu x dPdv for a positive sweep, of any length; exact also where dPdu is zero */
+    struct vec3
+        normal; /* dPdu x dPdv for a positive sweep, of any length; exact also where dPdu is zero */
     double v;
 };
 
@@ -25,8 +26,10 @@ static double sign_of(double x) {
     return x < 0 ? -1 : 1;
 }
 
-/* An arc about (centre, 0, 0) in the xz-plane; `side` is the sign of centre times radius, or 1 on the axis. */
-static struct profile_point profile_arc(const struct quadric *q, double centre, double side, double row) {
+/* An arc about (centre, 0, 0) in the xz-plane; `side` is the sign of centre times radius, or 1 on
+ * the axis. */
+static struct profile_point profile_arc(const struct quadric *q, double centre, double side,
+                                        double row) {
     double range = q->to - q->from, angle = q->from + row * range;
     if (row >= 1) /* a full circle closes to the bit */
         angle = fabs(range) >= 2 * M_PI ? q->from : q->to;
@@ -58,7 +61,8 @@ static struct profile_point profile_line(struct vec3 from, struct vec3 to, doubl
     return (struct profile_point){position, along, vec3_cross(across[i < 3 ? i : 2], along), row};
 }
 
-/* z = zmax (r / rmax)^2, with rows evenly spaced in r, where the chords of a parabola are equally good. */
+/* z = zmax (r / rmax)^2, with rows evenly spaced in r, where the chords of a parabola are equally
+ * good. */
 static struct profile_point profile_parabola(const struct quadric *q, double row) {
     double z_max = q->primitive->arguments[2], range = q->to - q->from;
     double share_from = sqrt(q->from / z_max), share_to = sqrt(q->to / z_max);
@@ -100,10 +104,10 @@ static void quadric_set_heights(struct quadric *q, double a, double b) {
 }
 
 static double sweep_argument(const struct primitive *primitive) {
-    static const int index[] = {[PRIMITIVE_SPHERE] = 3,     [PRIMITIVE_CYLINDER] = 3,
-                                [PRIMITIVE_CONE] = 2,       [PRIMITIVE_DISK] = 2,
-                                [PRIMITIVE_PARABOLOID] = 3, [PRIMITIVE_HYPERBOLOID] = 6,
-                                [PRIMITIVE_TORUS] = 4};
+    static const int index[] = {
+        [PRIMITIVE_SPHERE] = 3, [PRIMITIVE_CYLINDER] = 3,   [PRIMITIVE_CONE] = 2,
+        [PRIMITIVE_DISK] = 2,   [PRIMITIVE_PARABOLOID] = 3, [PRIMITIVE_HYPERBOLOID] = 6,
+        [PRIMITIVE_TORUS] = 4};
     return fmax(-360, fmin(360, primitive->arguments[index[primitive->kind]])) * (M_PI / 180);
 }
 
@@ -159,8 +163,10 @@ static bool quadric_init(struct quadric *q, const struct primitive *primitive) {
     return q->radius_max > 0 && q->sweep_radians != 0;
 }
 
-/* A sphere is as far from an eye within it as its surface is: a sky needs no more than what is seen of it. */
-static double pixels_inside_sphere(const struct tessellation *t, const struct quadric *q, double pixels) {
+/* A sphere is as far from an eye within it as its surface is: a sky needs no more than what is seen
+ * of it. */
+static double pixels_inside_sphere(const struct tessellation *t, const struct quadric *q,
+                                   double pixels) {
     if (q->primitive->kind != PRIMITIVE_SPHERE || !t->is_affine || !t->camera->is_perspective)
         return pixels;
     struct vec3 eye = mat4_point(&t->camera_to_object, vec3_make(0, 0, 0));
@@ -169,8 +175,8 @@ static double pixels_inside_sphere(const struct tessellation *t, const struct qu
 }
 
 /* Surfaces that bend both ways share the tolerance between the ways. */
-static void quadric_divide(const struct tessellation *t, const struct quadric *q, double pixels, int *nu,
-                           int *nv) {
+static void quadric_divide(const struct tessellation *t, const struct quadric *q, double pixels,
+                           int *nu, int *nv) {
     const double *a = q->primitive->arguments;
     double half = t->chord_pixels / 2, tolerance = half, twist;
     *nv = 1;
@@ -199,11 +205,12 @@ static struct vec3 turn(struct vec3 p, double c, double s) {
 }
 
 static double bilinear(const double *corners, double u, double v) {
-    return (corners[0] * (1 - u) + corners[2] * u) * (1 - v) + (corners[4] * (1 - u) + corners[6] * u) * v;
+    return (corners[0] * (1 - u) + corners[2] * u) * (1 - v) +
+           (corners[4] * (1 - u) + corners[6] * u) * v;
 }
 
-static void put_row(struct mesh_builder *builder, const struct quadric *q, const double *turns, int nu,
-                    int row, int nv) {
+static void put_row(struct mesh_builder *builder, const struct quadric *q, const double *turns,
+                    int nu, int row, int nv) {
     const double *corners = builder->tessellation->texture_coordinates;
     struct profile_point profile = profile_at(q, row == nv ? 1 : (double)row / nv);
     struct vertex_source source = {.corner_count = 4, .point_count = 4};
@@ -215,7 +222,8 @@ static void put_row(struct mesh_builder *builder, const struct quadric *q, const
         struct surface_point point = {.u = u, .v = v, .s = bilinear(corners, u, v)};
         point.t = bilinear(corners + 1, u, v);
         point.position = turn(profile.position, c, s);
-        point.dpdu = vec3_make(-point.position.y * q->sweep_radians, point.position.x * q->sweep_radians, 0);
+        point.dpdu =
+            vec3_make(-point.position.y * q->sweep_radians, point.position.x * q->sweep_radians, 0);
         point.dpdv = turn(profile.dpdv, c, s);
         point.normal = vec3_scale(turn(profile.normal, c, s), side);
         const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
@@ -232,7 +240,8 @@ bool tessellate_quadric(struct tessellation *t, const struct primitive *primitiv
     int nu, nv;
     if (!quadric_init(&q, primitive))
         return true;
-    struct bounds bounds = {{-q.radius_max, -q.radius_max, q.z_low}, {q.radius_max, q.radius_max, q.z_high}};
+    struct bounds bounds = {{-q.radius_max, -q.radius_max, q.z_low},
+                            {q.radius_max, q.radius_max, q.z_high}};
     struct visibility visibility = tessellation_visibility(t, &bounds);
     if (visibility.is_outside)
         return true;

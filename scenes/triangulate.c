@@ -17,7 +17,8 @@ struct ring {
 };
 
 /* Twice the signed area of a triangle. */
-static double turn(const struct ring_node *a, const struct ring_node *b, const struct ring_node *c) {
+static double turn(const struct ring_node *a, const struct ring_node *b,
+                   const struct ring_node *c) {
     return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
@@ -34,7 +35,8 @@ static double loop_area(const double *points, int count) {
     return area;
 }
 
-/* Whether a fan from corner 0 covers the loop: every corner and every triangle of the fan turns the same way. */
+/* Whether a fan from corner 0 covers the loop: every corner and every triangle of the fan turns the
+ * same way. */
 static bool is_convex(const double *points, int count) {
     double sign = loop_area(points, count) < 0 ? -1 : 1;
     for (int i = 0; i < count; i++) {
@@ -42,16 +44,17 @@ static bool is_convex(const double *points, int count) {
                      *c = points + 2 * ((i + 2) % count);
         if (sign * ((b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])) < 0)
             return false;
-        if (i + 2 < count &&
-            sign * ((b[0] - points[0]) * (c[1] - points[1]) - (b[1] - points[1]) * (c[0] - points[0])) <
-                0)
+        if (i + 2 < count && sign * ((b[0] - points[0]) * (c[1] - points[1]) -
+                                     (b[1] - points[1]) * (c[0] - points[0])) <
+                                 0)
             return false;
     }
     return true;
 }
 
 /* Adds a loop as a ring of its own, counter-clockwise or clockwise; returns a node of it. */
-static int ring_add_loop(struct ring *ring, const double *points, int first, int count, bool is_reversed) {
+static int ring_add_loop(struct ring *ring, const double *points, int first, int count,
+                         bool is_reversed) {
     int start = ring->count;
     for (int i = 0; i < count; i++) {
         int corner = first + (is_reversed ? count - 1 - i : i);
@@ -66,8 +69,8 @@ static int ring_add_loop(struct ring *ring, const double *points, int first, int
 }
 
 /* Whether p lies in triangle abc (counter-clockwise) or on its edge. */
-static bool contains(const struct ring_node *a, const struct ring_node *b, const struct ring_node *c,
-                     const struct ring_node *p) {
+static bool contains(const struct ring_node *a, const struct ring_node *b,
+                     const struct ring_node *c, const struct ring_node *p) {
     return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
 }
 
@@ -79,8 +82,9 @@ static bool looks_inside(const struct ring_node *nodes, int at, const struct rin
     return turn(p, after, h) > 0 || turn(before, p, h) > 0;
 }
 
-/* The outline node that the hole's leftmost node sees: the ray to the left meets an edge; of the edge's left
- * end and the nodes within the triangle it makes with the ray, the one closest in direction is visible. */
+/* The outline node that the hole's leftmost node sees: the ray to the left meets an edge; of the
+ * edge's left end and the nodes within the triangle it makes with the ray, the one closest in
+ * direction is visible. */
 static int find_bridge(const struct ring *ring, int hole, int outline) {
     const struct ring_node *nodes = ring->nodes, *h = &nodes[hole];
     double best_x = -INFINITY;
@@ -162,8 +166,8 @@ static struct hole find_leftmost(const struct ring *ring, int start) {
     return hole;
 }
 
-static int ring_add_holes(struct ring *ring, const double *points, const int *loop_corners, int loop_count,
-                          int outline) {
+static int ring_add_holes(struct ring *ring, const double *points, const int *loop_corners,
+                          int loop_count, int outline) {
     struct hole *holes = memory_get((size_t)loop_count, sizeof *holes);
     int first = loop_corners[0];
     for (int i = 1; i < loop_count; i++) {
@@ -204,8 +208,10 @@ static bool is_ear(const struct ring *ring, const int *reflex, int reflex_count,
     return true;
 }
 
-static void cut_ear(struct ring *ring, int at, bool is_reversed, uint32_t *triangles, size_t *count) {
-    struct ring_node *b = &ring->nodes[at], *a = &ring->nodes[b->previous], *c = &ring->nodes[b->next];
+static void cut_ear(struct ring *ring, int at, bool is_reversed, uint32_t *triangles,
+                    size_t *count) {
+    struct ring_node *b = &ring->nodes[at], *a = &ring->nodes[b->previous],
+                     *c = &ring->nodes[b->next];
     uint32_t *out = triangles + 3 * (*count)++;
     out[0] = is_reversed ? c->corner : a->corner;
     out[1] = b->corner;
@@ -230,7 +236,8 @@ static int find_reflex(const struct ring *ring, int start, int *reflex, int *len
     return count;
 }
 
-static void cut_ears(struct ring *ring, int at, bool is_reversed, uint32_t *triangles, size_t *count) {
+static void cut_ears(struct ring *ring, int at, bool is_reversed, uint32_t *triangles,
+                     size_t *count) {
     int length, *reflex = memory_get((size_t)ring->count, sizeof *reflex);
     int reflex_count = find_reflex(ring, at, reflex, &length);
     int tried = 0;
@@ -274,9 +281,10 @@ bool triangulate_polygon(const double *points, const int *loop_corners, int loop
         return true;
     }
     if (corners > TRIANGULATE_CORNERS_MAX)
-        return status_fail(status, STATUS_LIMIT,
-                           "a polygon of %d corners that is not convex or has holes; at most %d can be cut",
-                           corners, TRIANGULATE_CORNERS_MAX);
+        return status_fail(
+            status, STATUS_LIMIT,
+            "a polygon of %d corners that is not convex or has holes; at most %d can be cut",
+            corners, TRIANGULATE_CORNERS_MAX);
     struct ring ring = {
         .nodes = memory_get((size_t)corners + 2 * (size_t)loop_count, sizeof *ring.nodes)};
     bool is_reversed = loop_area(points, loop_corners[0]) < 0;

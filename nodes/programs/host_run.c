@@ -10,7 +10,11 @@
 #include "nodes/rendering_node.h"
 #include "nodes/shading_node.h"
 
+#include <errno.h>
 #include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 /* Every node of the cluster in this process; nodes[0] is the host. */
 static bool run_in_process(struct node *host, const struct render_options *options,
@@ -35,6 +39,19 @@ static bool run_in_process(struct node *host, const struct render_options *optio
     return ok;
 }
 
+/* When the supervisor itself was killed, nobody else removes the folder of the sockets: as the nodes leave they
+ * take their sockets along, and then it can go. */
+static void remove_orphaned_folder(const struct render_options *options, pid_t parent) {
+    enum { TRIES = 100, PAUSE_NS = 20000000 };
+    char folder[4096];
+    const char *slash = strrchr(options->bind, '/');
+    if (!options->is_supervised || getppid() == parent || strncmp(options->bind, "ipc://", 6) || !slash)
+        return;
+    snprintf(folder, sizeof folder, "%.*s", (int)(slash - options->bind) - 6, options->bind + 6);
+    for (int i = 0; i < TRIES && rmdir(folder) && errno == ENOTEMPTY; i++)
+        nanosleep(&(struct timespec){0, PAUSE_NS}, NULL);
+}
+
 static bool run_by_sockets(struct node *host, const struct render_options *options, struct status *status) {
     const struct socket_options sockets = {
         .host = options->bind,
@@ -45,7 +62,10 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
         .stop = &program_stop,
         .describe = &program_describe,
     };
-    return driver_sockets_run(host, &sockets, status);
+    const pid_t parent = getppid();
+    const bool ok = driver_sockets_run(host, &sockets, status);
+    remove_orphaned_folder(options, parent);
+    return ok;
 }
 
 static bool report_results(const struct render_options *options, const struct node *host, double wall_s,

@@ -4,11 +4,12 @@
 
 #include "shaders/compiler/compilation.h"
 
-/* The syntax tree. The parser fills in structure, check.c the types, symbols and implicit conversions.
- * Everything lives in the compilation's arena. */
+/* The syntax tree. The parser fills in structure, check.c the types, symbols and implicit
+ * conversions. Everything lives in the compilation's arena. */
 
-/* The first six are those of shader_compile.h. A triple is `(x, y, z)` before its context says whether it is
- * a colour or a point; TYPE_ERROR is the type of what was already complained about. */
+/* The first six are those of shader_compile.h. A triple is `(x, y, z)` before its context says
+ * whether it is a colour or a point; TYPE_ERROR is the type of what was already complained about.
+ */
 enum ast_type {
     TYPE_FLOAT = SHADER_FLOAT,
     TYPE_COLOR = SHADER_COLOR,
@@ -45,7 +46,7 @@ struct ir_value;
 struct ast_symbol {
     const char *name;
     enum ast_type type;
-    int array_length;  /* 0: not an array; -1: formal array of any length */
+    int array_length; /* 0: not an array; -1: formal array of any length */
     enum ast_storage storage;
     bool is_output;
     bool is_formal;    /* of a function (not of the shader) */
@@ -78,7 +79,7 @@ struct ast_expression {
     enum ast_expression_kind kind;
     enum ast_type type;
     int array_length; /* of a whole array named as an argument */
-    int operator;     /* token kind */
+    int token;        /* of the operator; 0 for plain = */
     int depth;        /* of the tree, so that recursion over it is bounded */
     float number;
     const char *name;
@@ -100,10 +101,10 @@ enum ast_statement_kind {
     STATEMENT_FUNCTION,   /* a nested function: nothing to run */
     STATEMENT_BLOCK,      /* body: list; is_scope false for `float a, b;` */
     STATEMENT_IF,         /* expression, body, otherwise */
-    STATEMENT_FOR,        /* initial; expression; step: body. `while` has neither initial nor step. */
-    STATEMENT_BREAK,      /* level */
-    STATEMENT_CONTINUE,   /* level */
-    STATEMENT_RETURN,     /* expression or NULL */
+    STATEMENT_FOR,      /* initial; expression; step: body. `while` has neither initial nor step. */
+    STATEMENT_BREAK,    /* level */
+    STATEMENT_CONTINUE, /* level */
+    STATEMENT_RETURN,   /* expression or NULL */
     STATEMENT_ILLUMINANCE,
     STATEMENT_ILLUMINATE,
     STATEMENT_SOLAR, /* arguments, body */
@@ -123,7 +124,8 @@ struct ast_statement {
     struct ast_function *function;
     int level;
     bool is_scope;
-    int exit_level; /* loops that break, continue or return inside may leave; EXIT_FUNCTION for return */
+    int exit_level; /* loops that break, continue or return inside may leave; EXIT_FUNCTION for
+                       return */
     struct ast_statement *next;
 };
 
@@ -138,8 +140,8 @@ struct ast_function {
     int formal_count;
     struct ast_statement *body; /* list */
     bool is_shader, is_prelude;
-    bool returns_early;   /* has a return other than as its last statement */
-    bool has_outputs;     /* writes to variables of its caller */
+    bool returns_early; /* has a return other than as its last statement */
+    bool has_outputs;   /* writes to variables of its caller */
     bool is_being_lowered;
     struct ast_function *next;
 };
@@ -150,14 +152,15 @@ struct ast_unit {
     enum shader_kind kind;
 };
 
-/* Parses the whole text; errors are reported to the compilation and skipped over. `is_prelude`: functions
- * only. */
-struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text, size_t length,
-                            bool is_prelude);
+/* Parses the whole text; errors are reported to the compilation and skipped over. `is_prelude`:
+ * functions only. */
+struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text,
+                            size_t length, bool is_prelude);
 
-/* Resolves names and types in place. The functions of `prelude` are visible to `unit`. Returns the predefined
- * variables in use, by their number in `globals` (builtins.h). */
-struct ast_symbol **check_unit(struct compilation *c, struct ast_unit *unit, struct ast_unit *prelude);
+/* Resolves names and types in place. The functions of `prelude` are visible to `unit`. Returns the
+ * predefined variables in use, by their number in `globals` (builtins.h). */
+struct ast_symbol **check_unit(struct compilation *c, struct ast_unit *unit,
+                               struct ast_unit *prelude);
 
 /* The source of the standard lighting functions. */
 extern const char prelude_text[];

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/ir.h"
 
-/* Lays out the transfer map and the bound values: parameters in order of declaration, predefined variables
- * after, each whole or not at all. Then marks what else the program needs from outside. */
+/* Lays out the transfer map and the bound values: parameters in order of declaration, predefined
+ * variables after, each whole or not at all. Then marks what else the program needs from outside.
+ */
 
 static void mark_parameter(struct ir_node *node, void *context) {
     struct ir_program *ir = context;

@@ -5,18 +5,20 @@
 
 /* What the SIMD array would be issued, block by block and stream by stream.
  *
- * An instruction with a varying result costs its operation; when all its operands are uniform the processor of
- * the node computes it, and the array pays for a move of the result into pixel memory. Uniform instructions are
- * free. Control flow costs LOGIC operations, one per change of the enable flags: a varying if 2 (3 with else),
- * a varying loop 2 on entry and exit and 1 per trip, an illuminance body 2 per light. The condition of a loop
- * is evaluated once more than its body runs: it counts in the body's block, and once in the block around.
+ * An instruction with a varying result costs its operation; when all its operands are uniform the
+ * processor of the node computes it, and the array pays for a move of the result into pixel memory.
+ * Uniform instructions are free. Control flow costs LOGIC operations, one per change of the enable
+ * flags: a varying if 2 (3 with else), a varying loop 2 on entry and exit and 1 per trip, an
+ * illuminance body 2 per light. The condition of a loop is evaluated once more than its body runs:
+ * it counts in the body's block, and once in the block around.
  *
- * Blocks of their own are the bodies of loops, the branches of uniform ifs and the bodies of illuminances, as
- * far as they hold anything for the array. An access to a varying array with a varying index costs a compare and
- * a move for each element: there is no indirect addressing.
+ * Blocks of their own are the bodies of loops, the branches of uniform ifs and the bodies of
+ * illuminances, as far as they hold anything for the array. An access to a varying array with a
+ * varying index costs a compare and a move for each element: there is no indirect addressing.
  *
- * Streams: code before the first illuminance is pre-illum, bodies are illum, code after the last is post-illum;
- * in between, what depends on an illuminance is post-illum and the rest can run before all lights. */
+ * Streams: code before the first illuminance is pre-illum, bodies are illum, code after the last is
+ * post-illum; in between, what depends on an illuminance is post-illum and the rest can run before
+ * all lights. */
 
 struct pricing {
     struct ir_program *ir;

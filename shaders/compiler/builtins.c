@@ -137,8 +137,9 @@ static enum ast_type letter_type(char letter) {
 }
 
 /* Cost of calling this one overload, or -1; *next is where the following overload starts. */
-static int overload_cost(const char *text, const char **next, const enum ast_type *arguments, int count,
-                         enum ast_type *result, enum ast_type *parameters, uint32_t *written_mask) {
+static int overload_cost(const char *text, const char **next, const enum ast_type *arguments,
+                         int count, enum ast_type *result, enum ast_type *parameters,
+                         uint32_t *written_mask) {
     int cost = 0, at = 0;
     *result = letter_type(text[0]);
     *written_mask = 0;
@@ -150,7 +151,9 @@ static int overload_cost(const char *text, const char **next, const enum ast_typ
         bool repeats = *text == '*';
         text += repeats;
         for (int uses = 0; uses == 0 || (repeats && at < count); uses++) {
-            int one = at < count ? ast_conversion_cost(arguments[at], type) : repeats && uses ? 0 : -1;
+            int one = at < count        ? ast_conversion_cost(arguments[at], type)
+                      : repeats && uses ? 0
+                                        : -1;
             if (repeats && uses == 0 && at >= count) {
                 one = 0; /* `x*` may also be absent */
                 break;
@@ -175,7 +178,8 @@ bool builtin_resolve(const struct builtin *builtin, const enum ast_type *argumen
     for (const char *text = builtin->overloads, *next; *text; text = next) {
         enum ast_type one_result, one_parameters[BUILTIN_ARGUMENTS_MAX];
         uint32_t one_mask;
-        int cost = overload_cost(text, &next, arguments, count, &one_result, one_parameters, &one_mask);
+        int cost =
+            overload_cost(text, &next, arguments, count, &one_result, one_parameters, &one_mask);
         if (cost < 0)
             continue;
         if (wanted != TYPE_ERROR && one_result != wanted)

@@ -6,9 +6,10 @@
 
 /* The functions that lowering knows by itself; the rest of the standard ones are RSL in prelude.c.
  *
- * X(ID, name, overloads). An overload is RESULT:ARGUMENTS, with f float, c color, p point, v vector, n normal,
- * s string, b boolean, 0 nothing, t any triple, `.` any value; & before an argument that is written to; *
- * after one that may repeat. The first overload that fits best is taken. */
+ * X(ID, name, overloads). An overload is RESULT:ARGUMENTS, with f float, c color, p point, v
+ * vector, n normal, s string, b boolean, 0 nothing, t any triple, `.` any value; & before an
+ * argument that is written to; * after one that may repeat. The first overload that fits best is
+ * taken. */
 #define BUILTINS(X)                                                                                \
     X(RADIANS, "radians", "f:f")                                                                   \
     X(DEGREES, "degrees", "f:f")                                                                   \
@@ -72,30 +73,32 @@ extern const struct builtin builtins[BUILTIN_COUNT];
 const struct builtin *builtin_find(const char *name);
 /* A function of the language that this compiler leaves out: the reason to give, else NULL. */
 const char *builtin_missing(const char *name);
-/* Chooses an overload for arguments of these types; `wanted` is the result type the context would like
- * (TYPE_ERROR: none). Returns false when none fits. parameters[i] is the type argument i is to be converted
- * to, TYPE_TRIPLE: leave it; *written_mask has a bit per argument that is written to. */
+/* Chooses an overload for arguments of these types; `wanted` is the result type the context would
+ * like (TYPE_ERROR: none). Returns false when none fits. parameters[i] is the type argument i is to
+ * be converted to, TYPE_TRIPLE: leave it; *written_mask has a bit per argument that is written to.
+ */
 bool builtin_resolve(const struct builtin *builtin, const enum ast_type *arguments, int count,
                      enum ast_type wanted, enum ast_type *result, enum ast_type *parameters,
                      uint32_t *written_mask);
 
-/* How badly a value of type `from` fits where `to` is wanted: 0 is the same type, negative not at all. */
+/* How badly a value of type `from` fits where `to` is wanted: 0 is the same type, negative not at
+ * all. */
 int ast_conversion_cost(enum ast_type from, enum ast_type to);
 
 /* Where the value of a predefined variable comes from. */
 enum global_source {
     GLOBAL_ABSENT,   /* not in this kind of shader */
     GLOBAL_MATERIAL, /* interpolated over the primitive: in the transfer map */
-    GLOBAL_BOUND,    /* bound to the instance unless options say that it comes with the primitives */
+    GLOBAL_BOUND, /* bound to the instance unless options say that it comes with the primitives */
     GLOBAL_POSITION, /* rebuilt from depth */
     GLOBAL_INCIDENT,
     GLOBAL_ZERO,
     GLOBAL_ONE,
     GLOBAL_THREE,
-    GLOBAL_ORIGIN,   /* the origin of shader space */
-    GLOBAL_AXIS,     /* the z axis of shader space */
-    GLOBAL_RESULT,   /* starts at zero, what the shader is for */
-    GLOBAL_LIGHT,    /* set inside illuminance */
+    GLOBAL_ORIGIN, /* the origin of shader space */
+    GLOBAL_AXIS,   /* the z axis of shader space */
+    GLOBAL_RESULT, /* starts at zero, what the shader is for */
+    GLOBAL_LIGHT,  /* set inside illuminance */
     GLOBAL_ABSENT_DERIVATIVE,
 };
 

@@ -33,7 +33,8 @@ static struct scope_entry *add(struct checker *k, const char *name) {
 }
 
 void scope_add_symbol(struct checker *k, struct ast_symbol *symbol) {
-    for (struct scope_entry *e = k->buckets[bucket_of(symbol->name)]; e && e->level == k->level; e = e->below)
+    for (struct scope_entry *e = k->buckets[bucket_of(symbol->name)]; e && e->level == k->level;
+         e = e->below)
         if (e->symbol && !strcmp(e->name, symbol->name)) {
             compile_error(k->c, &symbol->at, "'%.64s' is declared twice; the first time in line %d",
                           symbol->name, e->symbol->at.line);
@@ -46,7 +47,8 @@ void scope_add_function(struct checker *k, struct ast_function *function) {
     for (struct scope_entry *e = k->buckets[bucket_of(function->name)]; e && e->level == k->level;
          e = e->below)
         if (e->function && !strcmp(e->name, function->name) && !e->function->is_prelude) {
-            compile_error(k->c, &function->at, "function '%.64s' is defined twice; the first time in line %d",
+            compile_error(k->c, &function->at,
+                          "function '%.64s' is defined twice; the first time in line %d",
                           function->name, e->function->at.line);
             return;
         }
@@ -89,7 +91,8 @@ static void check_list(struct checker *k, struct ast_statement *list, struct ast
     }
 }
 
-static void check_scoped(struct checker *k, struct ast_statement *body, struct ast_statement *owner) {
+static void check_scoped(struct checker *k, struct ast_statement *body,
+                         struct ast_statement *owner) {
     if (!body)
         return;
     scope_enter(k);
@@ -108,7 +111,8 @@ static void check_declaration(struct checker *k, struct ast_symbol *symbol) {
         compile_error(k->c, &symbol->at, "strings are uniform");
     if (symbol->array_length && symbol->type == TYPE_STRING && !symbol->is_formal)
         compile_error(k->c, &symbol->at, "arrays of strings are not supported");
-    if (symbol->array_length > 0 && symbol->array_length * ast_type_width(symbol->type) > ARRAY_FLOATS_MAX)
+    if (symbol->array_length > 0 &&
+        symbol->array_length * ast_type_width(symbol->type) > ARRAY_FLOATS_MAX)
         compile_limit(k->c, &symbol->at, "an array holds at most %d floats", ARRAY_FLOATS_MAX);
     if (symbol->initial && !symbol->array_length)
         symbol->initial = check_as(k, symbol->initial, symbol->type);
@@ -133,7 +137,8 @@ static void check_loop(struct checker *k, struct ast_statement *s) {
         s->exit_level--;
 }
 
-/* Arguments of illuminance ([category,] position [, axis, angle]), illuminate (from [, axis, angle]) and solar
+/* Arguments of illuminance ([category,] position [, axis, angle]), illuminate (from [, axis,
+ * angle]) and solar
  * ([axis, angle]). */
 static void check_lighting(struct checker *k, struct ast_statement *s) {
     bool is_surface = k->kind == SHADER_KIND_SURFACE;
@@ -141,22 +146,24 @@ static void check_lighting(struct checker *k, struct ast_statement *s) {
                        : s->kind == STATEMENT_ILLUMINATE ? "illuminate"
                                                          : "solar";
     if (is_surface != (s->kind == STATEMENT_ILLUMINANCE))
-        compile_error(k->c, &s->at, "%s belongs into a %s shader", name, is_surface ? "light" : "surface");
+        compile_error(k->c, &s->at, "%s belongs into a %s shader", name,
+                      is_surface ? "light" : "surface");
     for (struct ast_expression **a = &s->arguments; *a; a = &(*a)->next) {
         struct ast_expression *next = (*a)->next;
         *a = check_expression(k, *a, TYPE_ERROR);
         (*a)->next = next;
     }
     if (s->kind == STATEMENT_ILLUMINANCE && s->arguments && s->arguments->type == TYPE_STRING) {
-        compile_warning(k->c, &s->arguments->at, "light categories are ignored; every light matches");
+        compile_warning(k->c, &s->arguments->at,
+                        "light categories are ignored; every light matches");
         s->arguments = s->arguments->next;
         s->argument_count--;
     }
     static const enum ast_type wanted[3] = {TYPE_POINT, TYPE_VECTOR, TYPE_FLOAT};
     int first = s->kind == STATEMENT_SOLAR ? 1 : 0, at = first;
     if (s->argument_count != 3 - first && s->argument_count != 1 - first)
-        compile_error(k->c, &s->at, "%s takes (%s) or (%saxis, angle)", name, first ? "" : "position",
-                      first ? "" : "position, ");
+        compile_error(k->c, &s->at, "%s takes (%s) or (%saxis, angle)", name,
+                      first ? "" : "position", first ? "" : "position, ");
     else if (first && !s->argument_count)
         compile_error(k->c, &s->at, "solar without an axis is not supported");
     for (struct ast_expression **a = &s->arguments; *a && at < 3; a = &(*a)->next, at++) {
@@ -225,8 +232,9 @@ static void check_statement(struct checker *k, struct ast_statement *s) {
     case STATEMENT_BREAK:
     case STATEMENT_CONTINUE:
         if (s->level > k->loop_level)
-            compile_error(k->c, &s->at, k->loop_level ? "there are only %d loops around this"
-                                                      : "this is not inside a loop",
+            compile_error(k->c, &s->at,
+                          k->loop_level ? "there are only %d loops around this"
+                                        : "this is not inside a loop",
                           k->loop_level);
         s->exit_level = s->level;
         break;
@@ -269,7 +277,8 @@ void check_function(struct checker *k, struct ast_function *function) {
         check_declaration(k, formal);
         k->in_default = false;
         if (function->is_shader && global_find(formal->name))
-            compile_warning(k->c, &formal->at, "parameter '%s' hides the predefined variable of this name",
+            compile_warning(k->c, &formal->at,
+                            "parameter '%s' hides the predefined variable of this name",
                             formal->name);
         scope_add_symbol(k, formal);
         function->has_outputs |= formal->is_output;
@@ -277,7 +286,8 @@ void check_function(struct checker *k, struct ast_function *function) {
     check_list(k, function->body, NULL);
     scope_leave(k);
     if (function->type != TYPE_VOID && !has_return(function->body))
-        compile_error(k->c, &function->at, "function '%.64s' never returns a value", function->name);
+        compile_error(k->c, &function->at, "function '%.64s' never returns a value",
+                      function->name);
     function->returns_early = has_early_return(function->body);
     k->function = outer;
     if (outer)
@@ -286,7 +296,8 @@ void check_function(struct checker *k, struct ast_function *function) {
     k->illuminance_level = outer_illuminance;
 }
 
-struct ast_symbol **check_unit(struct compilation *c, struct ast_unit *unit, struct ast_unit *prelude) {
+struct ast_symbol **check_unit(struct compilation *c, struct ast_unit *unit,
+                               struct ast_unit *prelude) {
     struct checker *k = compilation_get(c, sizeof *k);
     k->c = c;
     k->kind = unit->kind;

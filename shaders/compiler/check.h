@@ -9,7 +9,7 @@ enum { SCOPE_BUCKETS = 1024 };
 
 struct scope_entry {
     const char *name;
-    struct ast_symbol *symbol;     /* one of the two */
+    struct ast_symbol *symbol; /* one of the two */
     struct ast_function *function;
     int level;
     struct scope_entry *below;    /* same bucket */
@@ -37,15 +37,18 @@ void scope_add_function(struct checker *k, struct ast_function *function);
 struct ast_symbol *scope_find_symbol(struct checker *k, const char *name);
 struct ast_function *scope_find_function(struct checker *k, const char *name);
 
-/* Gives the expression and all in it types and symbols. `wanted`: the type the context would like, TYPE_ERROR
- * for none. Returns what takes the expression's place. */
-struct ast_expression *check_expression(struct checker *k, struct ast_expression *e, enum ast_type wanted);
+/* Gives the expression and all in it types and symbols. `wanted`: the type the context would like,
+ * TYPE_ERROR for none. Returns what takes the expression's place. */
+struct ast_expression *check_expression(struct checker *k, struct ast_expression *e,
+                                        enum ast_type wanted);
 /* The same, then converted to `type`; an error when that cannot be. */
 struct ast_expression *check_as(struct checker *k, struct ast_expression *e, enum ast_type type);
 /* Puts a conversion over a checked expression. */
-struct ast_expression *check_convert(struct checker *k, struct ast_expression *e, enum ast_type type);
+struct ast_expression *check_convert(struct checker *k, struct ast_expression *e,
+                                     enum ast_type type);
 /* Function calls, check_call.c. */
-struct ast_expression *check_call(struct checker *k, struct ast_expression *e, enum ast_type wanted);
+struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
+                                  enum ast_type wanted);
 /* Something is written to; complains unless it can be. */
 void check_written(struct checker *k, struct ast_expression *target);
 void check_function(struct checker *k, struct ast_function *function);

@@ -23,7 +23,8 @@ static void complain_unknown(struct checker *k, const struct ast_expression *e) 
     for (int i = 0; i < BUILTIN_COUNT; i++)
         suggestion_consider(e->name, builtins[i].name, &best, &distance);
     if (best)
-        compile_error(k->c, &e->at, "there is no function '%.64s'; did you mean '%.64s'?", e->name, best);
+        compile_error(k->c, &e->at, "there is no function '%.64s'; did you mean '%.64s'?", e->name,
+                      best);
     else
         compile_error(k->c, &e->at, "there is no function '%.64s'", e->name);
 }
@@ -33,8 +34,9 @@ static struct ast_expression *check_user_call(struct checker *k, struct ast_expr
     e->function = function;
     e->type = function->type;
     if (e->argument_count != function->formal_count) {
-        compile_error(k->c, &e->at, "%.64s() takes %d argument%s, not %d", e->name, function->formal_count,
-                      function->formal_count == 1 ? "" : "s", e->argument_count);
+        compile_error(k->c, &e->at, "%.64s() takes %d argument%s, not %d", e->name,
+                      function->formal_count, function->formal_count == 1 ? "" : "s",
+                      e->argument_count);
         for (struct ast_expression *a = e->arguments; a; a = a->next)
             check_expression(k, a, TYPE_ERROR);
         return fail(e);
@@ -48,13 +50,14 @@ static struct ast_expression *check_user_call(struct checker *k, struct ast_expr
         } else if (wants_array != is_array || (is_array && (*a)->type != formal->type) ||
                    (formal->array_length > 0 && (*a)->array_length > 0 &&
                     (*a)->array_length < formal->array_length)) {
-            compile_error(k->c, &(*a)->at, "argument '%.64s' of %.64s() is %s %s", formal->name, e->name,
-                          wants_array ? "an array of" : "a single", ast_type_name(formal->type));
+            compile_error(k->c, &(*a)->at, "argument '%.64s' of %.64s() is %s %s", formal->name,
+                          e->name, wants_array ? "an array of" : "a single",
+                          ast_type_name(formal->type));
         } else if (formal->is_output && !is_array &&
                    ((*a)->type != formal->type &&
                     !(ast_type_is_geometric((*a)->type) && ast_type_is_geometric(formal->type)))) {
-            compile_error(k->c, &(*a)->at, "output argument '%.64s' of %.64s() is a %s", formal->name,
-                          e->name, ast_type_name(formal->type));
+            compile_error(k->c, &(*a)->at, "output argument '%.64s' of %.64s() is a %s",
+                          formal->name, e->name, ast_type_name(formal->type));
         } else if (!is_array && !formal->is_output) {
             *a = check_convert(k, *a, formal->type);
         }
@@ -73,12 +76,15 @@ static bool is_literal(const struct ast_expression *e) {
 static void check_color_spaces(struct checker *k, struct ast_expression *e) {
     struct ast_expression *a = e->arguments;
     for (int i = 0; i < e->argument_count - 1 && a; i++, a = a->next)
-        if (!is_literal(a) || (strcmp(a->name, "rgb") && strcmp(a->name, "hsv") && strcmp(a->name, "hsl")))
-            compile_error(k->c, &a->at, "ctransform knows \"rgb\", \"hsv\" and \"hsl\", written out");
+        if (!is_literal(a) ||
+            (strcmp(a->name, "rgb") && strcmp(a->name, "hsv") && strcmp(a->name, "hsl")))
+            compile_error(k->c, &a->at,
+                          "ctransform knows \"rgb\", \"hsv\" and \"hsl\", written out");
 }
 
 static struct ast_expression *check_builtin_call(struct checker *k, struct ast_expression *e,
-                                                 const struct builtin *builtin, enum ast_type wanted) {
+                                                 const struct builtin *builtin,
+                                                 enum ast_type wanted) {
     enum ast_type types[BUILTIN_ARGUMENTS_MAX] = {0}, parameters[BUILTIN_ARGUMENTS_MAX];
     uint32_t written = 0;
     int count = 0;
@@ -105,7 +111,8 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         char list[160] = "";
         for (int i = 0; i < count && i < 6; i++) {
             size_t used = strlen(list);
-            snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", ast_type_name(types[i]));
+            snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "",
+                     ast_type_name(types[i]));
         }
         compile_error(k->c, &e->at, "%s() cannot be called with (%s)", e->name, list);
         return fail(e);
@@ -126,7 +133,8 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     return e;
 }
 
-struct ast_expression *check_call(struct checker *k, struct ast_expression *e, enum ast_type wanted) {
+struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
+                                  enum ast_type wanted) {
     struct ast_function *function = scope_find_function(k, e->name);
     const struct builtin *builtin = builtin_find(e->name);
     if (function && !(function->is_prelude && builtin))

@@ -10,7 +10,8 @@ static struct ast_expression *fail(struct ast_expression *e) {
     return e;
 }
 
-struct ast_expression *check_convert(struct checker *k, struct ast_expression *e, enum ast_type type) {
+struct ast_expression *check_convert(struct checker *k, struct ast_expression *e,
+                                     enum ast_type type) {
     if (e->type == type || e->type == TYPE_ERROR || type == TYPE_ERROR)
         return e;
     if (e->array_length || ast_conversion_cost(e->type, type) < 0) {
@@ -18,8 +19,8 @@ struct ast_expression *check_convert(struct checker *k, struct ast_expression *e
         if (ast_type_is_triple(e->type) && ast_type_is_triple(type))
             hint = type == TYPE_COLOR ? "; say color (...)" : "; say vector (...)";
         compile_error(k->c, &e->at, "cannot use %s%s where %s is wanted%s",
-                      e->array_length ? "an array of " : "", ast_type_name(e->type), ast_type_name(type),
-                      hint);
+                      e->array_length ? "an array of " : "", ast_type_name(e->type),
+                      ast_type_name(type), hint);
         return fail(e);
     }
     if (e->type == TYPE_TRIPLE && e->kind == EXPRESSION_TUPLE) {
@@ -49,7 +50,8 @@ static struct ast_expression *check_name(struct checker *k, struct ast_expressio
         for (int i = 0; i < global_count; i++)
             suggestion_consider(e->name, globals[i].name, &best, &distance);
         if (best)
-            compile_error(k->c, &e->at, "'%.64s' is not declared; did you mean '%.64s'?", e->name, best);
+            compile_error(k->c, &e->at, "'%.64s' is not declared; did you mean '%.64s'?", e->name,
+                          best);
         else
             compile_error(k->c, &e->at, "'%.64s' is not declared", e->name);
         return fail(e);
@@ -58,8 +60,8 @@ static struct ast_expression *check_name(struct checker *k, struct ast_expressio
     e->array_length = e->symbol->array_length;
     if (e->symbol->global && k->kind == SHADER_KIND_SURFACE &&
         e->symbol->global->surface == GLOBAL_ABSENT_DERIVATIVE)
-        compile_warning(k->c, &e->at, "%s is always 0: there are no parametric steps between samples",
-                        e->name);
+        compile_warning(k->c, &e->at,
+                        "%s is always 0: there are no parametric steps between samples", e->name);
     return e;
 }
 
@@ -89,7 +91,7 @@ static struct ast_expression *check_tuple(struct checker *k, struct ast_expressi
 
 static struct ast_expression *check_unary(struct checker *k, struct ast_expression *e,
                                           enum ast_type wanted) {
-    if (e->operator== '!') {
+    if (e->token == '!') {
         e->left = check_as(k, e->left, TYPE_BOOL);
         e->type = TYPE_BOOL;
         return e;
@@ -99,16 +101,17 @@ static struct ast_expression *check_unary(struct checker *k, struct ast_expressi
         e->left = check_convert(k, e->left, TYPE_FLOAT);
     if (e->left->type == TYPE_ERROR)
         return fail(e);
-    if ((e->left->type != TYPE_FLOAT && !ast_type_is_triple(e->left->type)) || e->left->array_length) {
+    if ((e->left->type != TYPE_FLOAT && !ast_type_is_triple(e->left->type)) ||
+        e->left->array_length) {
         compile_error(k->c, &e->at, "cannot change the sign of %s", ast_type_name(e->left->type));
         return fail(e);
     }
     e->type = e->left->type;
-    return e->operator== '+' ? e->left : e;
+    return e->token == '+' ? e->left : e;
 }
 
 /* The type of a sum, difference, product or quotient; TYPE_ERROR when there is none. */
-static enum ast_type arithmetic_type(int operator, enum ast_type a, enum ast_type b) {
+static enum ast_type arithmetic_type(int token, enum ast_type a, enum ast_type b) {
     if (a == TYPE_FLOAT && b == TYPE_FLOAT)
         return TYPE_FLOAT;
     if (a == TYPE_FLOAT || a == TYPE_TRIPLE)
@@ -120,20 +123,20 @@ static enum ast_type arithmetic_type(int operator, enum ast_type a, enum ast_typ
     if (!ast_type_is_geometric(a) || !ast_type_is_geometric(b))
         return TYPE_ERROR;
     if (a == TYPE_POINT && b == TYPE_POINT)
-        return operator== '-' ? TYPE_VECTOR : TYPE_POINT;
+        return token == '-' ? TYPE_VECTOR : TYPE_POINT;
     if (a == TYPE_POINT || b == TYPE_POINT)
         return TYPE_POINT;
     return a == b ? a : TYPE_VECTOR;
 }
 
-static const char *operator_text(int operator, char buffer[24]) {
-    return token_kind_name(operator, buffer);
+static const char *operator_text(int token, char buffer[24]) {
+    return token_kind_name(token, buffer);
 }
 
 static struct ast_expression *check_comparison(struct checker *k, struct ast_expression *e) {
     char buffer[24];
     enum ast_type a = e->left->type, b = e->right->type;
-    bool is_equality = e->operator== TOKEN_EQUAL || e->operator== TOKEN_NOT_EQUAL;
+    bool is_equality = e->token == TOKEN_EQUAL || e->token == TOKEN_NOT_EQUAL;
     e->type = TYPE_BOOL;
     if (a == TYPE_STRING && b == TYPE_STRING && is_equality)
         return e;
@@ -149,31 +152,33 @@ static struct ast_expression *check_comparison(struct checker *k, struct ast_exp
         e->right = check_convert(k, e->right, common);
         return e;
     }
-    compile_error(k->c, &e->at, "cannot compare %s and %s with %s", ast_type_name(a), ast_type_name(b),
-                  operator_text(e->operator, buffer));
+    compile_error(k->c, &e->at, "cannot compare %s and %s with %s", ast_type_name(a),
+                  ast_type_name(b), operator_text(e->token, buffer));
     return fail(e);
 }
 
 /* Products of vectors: `.` gives a float, `^` a vector. */
 static struct ast_expression *check_product(struct checker *k, struct ast_expression *e) {
-    e->left = check_convert(k, e->left, ast_type_is_triple(e->left->type) ? e->left->type : TYPE_VECTOR);
-    e->right = check_convert(k, e->right, ast_type_is_triple(e->right->type) ? e->right->type : TYPE_VECTOR);
-    e->type = e->operator== '.' ? TYPE_FLOAT : TYPE_VECTOR;
+    e->left =
+        check_convert(k, e->left, ast_type_is_triple(e->left->type) ? e->left->type : TYPE_VECTOR);
+    e->right = check_convert(k, e->right,
+                             ast_type_is_triple(e->right->type) ? e->right->type : TYPE_VECTOR);
+    e->type = e->token == '.' ? TYPE_FLOAT : TYPE_VECTOR;
     return e;
 }
 
 static struct ast_expression *check_binary(struct checker *k, struct ast_expression *e,
                                            enum ast_type wanted) {
     char buffer[24];
-    if (e->operator== TOKEN_AND || e->operator== TOKEN_OR) {
+    if (e->token == TOKEN_AND || e->token == TOKEN_OR) {
         e->left = check_as(k, e->left, TYPE_BOOL);
         e->right = check_as(k, e->right, TYPE_BOOL);
         e->type = TYPE_BOOL;
         return e;
     }
-    bool is_arithmetic = strchr("+-*/", e->operator< 256 ? e->operator: 1) != NULL;
+    bool is_arithmetic = strchr("+-*/", e->token < 256 ? e->token : 1) != NULL;
     enum ast_type hint = is_arithmetic ? wanted : TYPE_ERROR;
-    if (!is_arithmetic && (e->operator== '.' || e->operator== '^'))
+    if (!is_arithmetic && (e->token == '.' || e->token == '^'))
         hint = TYPE_VECTOR;
     e->left = check_expression(k, e->left, hint);
     e->right = check_expression(k, e->right, hint);
@@ -183,7 +188,7 @@ static struct ast_expression *check_binary(struct checker *k, struct ast_express
         compile_error(k->c, &e->at, "arrays are only used element by element");
         return fail(e);
     }
-    if (e->operator== '.' || e->operator== '^')
+    if (e->token == '.' || e->token == '^')
         return check_product(k, e);
     if (!is_arithmetic)
         return check_comparison(k, e);
@@ -191,10 +196,10 @@ static struct ast_expression *check_binary(struct checker *k, struct ast_express
         e->left = check_convert(k, e->left, TYPE_FLOAT);
     if (e->right->type == TYPE_BOOL)
         e->right = check_convert(k, e->right, TYPE_FLOAT);
-    e->type = arithmetic_type(e->operator, e->left->type, e->right->type);
+    e->type = arithmetic_type(e->token, e->left->type, e->right->type);
     if (e->type == TYPE_ERROR) {
         compile_error(k->c, &e->at, "%s does not work between %s and %s",
-                      operator_text(e->operator, buffer), ast_type_name(e->left->type),
+                      operator_text(e->token, buffer), ast_type_name(e->left->type),
                       ast_type_name(e->right->type));
         return fail(e);
     }
@@ -228,8 +233,8 @@ void check_written(struct checker *k, struct ast_expression *target) {
         return;
     }
     if (symbol->is_parameter && !symbol->is_output)
-        compile_error(k->c, &target->at, "'%.64s' is a parameter of the shader and cannot be changed",
-                      symbol->name);
+        compile_error(k->c, &target->at,
+                      "'%.64s' is a parameter of the shader and cannot be changed", symbol->name);
     if (symbol->global && k->kind == SHADER_KIND_SURFACE && symbol->global->surface == GLOBAL_LIGHT)
         compile_error(k->c, &target->at, "%s is set by the lights and cannot be changed here",
                       symbol->name);
@@ -250,7 +255,7 @@ static struct ast_expression *check_assign(struct checker *k, struct ast_express
         return fail(e);
     }
     e->type = e->left->type;
-    if (!e->operator) {
+    if (!e->token) {
         e->right = check_as(k, e->right, e->type);
         return e;
     }
@@ -259,10 +264,10 @@ static struct ast_expression *check_assign(struct checker *k, struct ast_express
         e->right = check_convert(k, e->right, TYPE_FLOAT);
     if (e->right->type == TYPE_ERROR)
         return fail(e);
-    enum ast_type result = arithmetic_type(e->operator, e->type, e->right->type);
+    enum ast_type result = arithmetic_type(e->token, e->type, e->right->type);
     if (e->type == TYPE_STRING || result == TYPE_ERROR || e->right->array_length ||
         ast_conversion_cost(result, e->type) < 0) {
-        compile_error(k->c, &e->at, "'%c=' does not work between %s and %s", e->operator,
+        compile_error(k->c, &e->at, "'%c=' does not work between %s and %s", e->token,
                       ast_type_name(e->type), ast_type_name(e->right->type));
         return fail(e);
     }
@@ -290,13 +295,15 @@ static struct ast_expression *check_cast(struct checker *k, struct ast_expressio
     }
     if (e->name && e->type == TYPE_COLOR && strcmp(e->name, "rgb") && strcmp(e->name, "hsv") &&
         strcmp(e->name, "hsl")) {
-        compile_error(k->c, &e->at, "unknown color space \"%.64s\"; there are rgb, hsv and hsl", e->name);
+        compile_error(k->c, &e->at, "unknown color space \"%.64s\"; there are rgb, hsv and hsl",
+                      e->name);
         return fail(e);
     }
     return e;
 }
 
-struct ast_expression *check_expression(struct checker *k, struct ast_expression *e, enum ast_type wanted) {
+struct ast_expression *check_expression(struct checker *k, struct ast_expression *e,
+                                        enum ast_type wanted) {
     switch (e->kind) {
     case EXPRESSION_NUMBER:
         e->type = TYPE_FLOAT;

@@ -23,8 +23,8 @@ _Noreturn void compilation_stop(struct compilation *c) {
     longjmp(c->stop, 1);
 }
 
-/* Writes the source line of `at` and, below it, a caret. Tabs stay tabs in both, so that the caret lines up;
- * other bytes that a terminal might not show in one column become '?'. */
+/* Writes the source line of `at` and, below it, a caret. Tabs stay tabs in both, so that the caret
+ * lines up; other bytes that a terminal might not show in one column become '?'. */
 static int format_excerpt(const struct source_location *at, char *out, size_t size) {
     const char *line = at->line_text;
     int length = 0;
@@ -54,15 +54,15 @@ static size_t format_message(const struct source_location *at, const char *what,
         format_excerpt(at, excerpt, sizeof excerpt);
     int length;
     if (at)
-        length = snprintf(out, size, "%.200s:%d:%d: %s: %s%s", at->file, at->line, at->column, what, text,
-                          excerpt);
+        length = snprintf(out, size, "%.200s:%d:%d: %s: %s%s", at->file, at->line, at->column, what,
+                          text, excerpt);
     else
         length = snprintf(out, size, "%s: %s", what, text);
     return length < 0 ? 0 : (size_t)length;
 }
 
-static void append_error(struct compilation *c, const struct source_location *at, enum status_code code,
-                         const char *format, va_list arguments) {
+static void append_error(struct compilation *c, const struct source_location *at,
+                         enum status_code code, const char *format, va_list arguments) {
     char one[TEXT_MAX + 512];
     size_t length = format_message(at, "error", format, arguments, one, sizeof one);
     if (length >= sizeof one)
@@ -80,7 +80,8 @@ static void append_error(struct compilation *c, const struct source_location *at
     c->message[c->message_length] = '\0';
 }
 
-void compile_error(struct compilation *c, const struct source_location *at, const char *format, ...) {
+void compile_error(struct compilation *c, const struct source_location *at, const char *format,
+                   ...) {
     va_list arguments;
     va_start(arguments, format);
     append_error(c, at, STATUS_INVALID, format, arguments);
@@ -89,8 +90,8 @@ void compile_error(struct compilation *c, const struct source_location *at, cons
         compilation_stop(c);
 }
 
-_Noreturn void compile_limit(struct compilation *c, const struct source_location *at, const char *format,
-                             ...) {
+_Noreturn void compile_limit(struct compilation *c, const struct source_location *at,
+                             const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     append_error(c, at, STATUS_LIMIT, format, arguments);
@@ -98,7 +99,8 @@ _Noreturn void compile_limit(struct compilation *c, const struct source_location
     compilation_stop(c);
 }
 
-void compile_warning(struct compilation *c, const struct source_location *at, const char *format, ...) {
+void compile_warning(struct compilation *c, const struct source_location *at, const char *format,
+                     ...) {
     if (c->warning_count >= WARNING_COUNT_MAX)
         return;
     char one[TEXT_MAX + 512];
@@ -140,11 +142,13 @@ static int name_distance(const char *a, const char *b) {
     return row[b_length];
 }
 
-void suggestion_consider(const char *name, const char *candidate, const char **best, int *best_distance) {
+void suggestion_consider(const char *name, const char *candidate, const char **best,
+                         int *best_distance) {
     int distance = name_distance(name, candidate);
     int allowed = strlen(name) < 3 ? 0 : strlen(name) < 6 ? 1 : 2;
-    if (distance > allowed && !(strlen(name) < 3 && distance == 1 && strlen(candidate) == strlen(name) &&
-                                (name[0] | 32) == (candidate[0] | 32)))
+    if (distance > allowed &&
+        !(strlen(name) < 3 && distance == 1 && strlen(candidate) == strlen(name) &&
+          (name[0] | 32) == (candidate[0] | 32)))
         return;
     if (*best && distance >= *best_distance)
         return;

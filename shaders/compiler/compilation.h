@@ -9,22 +9,24 @@
 
 /* What all passes of one compilation share: memory, messages and the way out.
  *
- * Everything a pass allocates comes from `arena` and lives until the compilation ends. A pass that cannot go
- * on (memory or another limit reached, eight errors reported) calls compilation_stop, which unwinds to
- * shader_compile; no pass holds anything but arena memory, so nothing leaks. */
+ * Everything a pass allocates comes from `arena` and lives until the compilation ends. A pass that
+ * cannot go on (memory or another limit reached, eight errors reported) calls compilation_stop,
+ * which unwinds to shader_compile; no pass holds anything but arena memory, so nothing leaks. */
 
 enum {
     SOURCE_BYTES_MAX = 1 << 20,
-    NESTING_MAX = 200,            /* statements and parentheses inside each other */
-    EXPRESSION_DEPTH_MAX = 1000,  /* operators in a row that build one tree */
-    CONTROL_DEPTH_MAX = 120,      /* control flow inside each other after inlining; C compilers stop at 256 */
+    NESTING_MAX = 200,           /* statements and parentheses inside each other */
+    EXPRESSION_DEPTH_MAX = 1000, /* operators in a row that build one tree */
+    CONTROL_DEPTH_MAX =
+        120, /* control flow inside each other after inlining; C compilers stop at 256 */
     INSTRUCTION_COUNT_MAX = 200000,
-    ARRAY_FLOATS_MAX = 65536,     /* of one array, and of all arrays of a shader after inlining */
+    ARRAY_FLOATS_MAX = 65536, /* of one array, and of all arrays of a shader after inlining */
     ERROR_COUNT_MAX = 8,
     WARNING_COUNT_MAX = 64,
 };
 
-/* A place in the source. `line_text` is the start of the physical line, ended by a newline or NUL. */
+/* A place in the source. `line_text` is the start of the physical line, ended by a newline or NUL.
+ */
 struct source_location {
     const char *file;
     const char *line_text;
@@ -54,14 +56,15 @@ _Noreturn void compilation_stop(struct compilation *c);
 /* Report at a place; the eighth error stops the compilation. */
 void compile_error(struct compilation *c, const struct source_location *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-void compile_warning(struct compilation *c, const struct source_location *at, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+void compile_warning(struct compilation *c, const struct source_location *at, const char *format,
+                     ...) __attribute__((format(printf, 3, 4)));
 /* A stated limit was reached: an error after which nothing else is worth saying. */
-_Noreturn void compile_limit(struct compilation *c, const struct source_location *at, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+_Noreturn void compile_limit(struct compilation *c, const struct source_location *at,
+                             const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* The candidate most like `name`, or NULL when none is near enough to be a likely typing mistake. Call with
- * *best NULL and *best_distance 0 first, then once per candidate. */
-void suggestion_consider(const char *name, const char *candidate, const char **best, int *best_distance);
+/* The candidate most like `name`, or NULL when none is near enough to be a likely typing mistake.
+ * Call with *best NULL and *best_distance 0 first, then once per candidate. */
+void suggestion_consider(const char *name, const char *candidate, const char **best,
+                         int *best_distance);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/ir.h"
 
-/* Keeps what can reach a result of the shader: a node is live when it assigns to a live variable, a variable
- * when a live node reads it, control flow when something in it is live. Does not look at the order of
- * assignments, so an overwritten value keeps its inputs. */
+/* Keeps what can reach a result of the shader: a node is live when it assigns to a live variable, a
+ * variable when a live node reads it, control flow when something in it is live. Does not look at
+ * the order of assignments, so an overwritten value keeps its inputs. */
 
 struct liveness {
     struct ir_program *ir;

@@ -36,8 +36,8 @@ void emit_line(struct emitter *e, const char *format, ...) {
     emit_text(e, "\n");
 }
 
-/* What every module starts with. Index conversions clamp first, so that no float is out of an int's range; not
- * a number is element 0. */
+/* What every module starts with. Index conversions clamp first, so that no float is out of an int's
+ * range; not a number is element 0. */
 static const char *const support[] = {
     "#include \"shader_module.h\"\n#include \"vector_math.h\"\n\n",
     "#define SHADER_UNUSED __attribute__((unused))\n"
@@ -72,12 +72,14 @@ static const char *const support[] = {
     "    return mask;\n}\n\n",
     "SHADER_HELPER const float *shader_matrix(const float (*spaces)[16], int32_t space) {\n"
     "    static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};\n"
-    "    return space > SHADER_SPACE_CAMERA && space < SHADER_SPACE_COUNT ? spaces[space] : identity;\n}\n\n",
+    "    return space > SHADER_SPACE_CAMERA && space < SHADER_SPACE_COUNT ? spaces[space] : "
+    "identity;\n}\n\n",
     "SHADER_HELPER uint64_t shader_key(uint64_t key, uint64_t step) {\n"
     "    key = (key ^ step) * 0x9e3779b97f4a7c15u;\n"
     "    key = (key ^ (key >> 29)) * 0xbf58476d1ce4e5b9u;\n"
     "    return key ^ (key >> 32);\n}\n\n",
-    "SHADER_HELPER void shader_report(struct shader_counters *counters, uint32_t block, uint64_t key,\n"
+    "SHADER_HELPER void shader_report(struct shader_counters *counters, uint32_t block, uint64_t "
+    "key,\n"
     "                                 uint64_t trips) {\n"
     "    if (counters && counters->report_trips)\n"
     "        counters->report_trips(counters, block, key, trips);\n}\n\n",
@@ -113,8 +115,10 @@ static void emit_slot_load(struct emitter *e, const struct ir_variable *v) {
 static void emit_prepare(struct emitter *e) {
     e->in_prepare = true;
     e->mask = e->loop_mask = -1;
-    emit_text(e, "static void shader_prepare(const float *bound, const uint8_t *given,\n"
-                 "                           const struct shader_matrices *matrices, float *uniform) {\n");
+    emit_text(
+        e,
+        "static void shader_prepare(const float *bound, const uint8_t *given,\n"
+        "                           const struct shader_matrices *matrices, float *uniform) {\n");
     e->indent = 1;
     emit_line(e, "(void)bound, (void)given, (void)matrices, (void)uniform;");
     if (e->ir->has_prepare_loop) {
@@ -147,11 +151,12 @@ static void emit_variables(struct emitter *e) {
     emit_line(e, "uint64_t w%d SHADER_UNUSED = 0;", e->steps);
     emit_line(e, "vi steps SHADER_UNUSED = {0};");
     if (e->ir->has_prepare_loop)
-        emit_line(e, "if (uniform[0] != 0.0f)\n        %s = 1;", e->in_light ? "*overrun" : "call->overrun");
+        emit_line(e, "if (uniform[0] != 0.0f)\n        %s = 1;",
+                  e->in_light ? "*overrun" : "call->overrun");
 }
 
-/* Lights run once per vector of samples, before anything that could need them; every illuminance and ambient()
- * reads what they left. */
+/* Lights run once per vector of samples, before anything that could need them; every illuminance
+ * and ambient() reads what they left. */
 static void emit_run_lights(struct emitter *e) {
     bool runs_all = e->ir->uses_ambient && e->ir->uses_illuminance;
     emit_line(e, "vf ambient[3] SHADER_UNUSED = {{0}, {0}, {0}};");
@@ -162,7 +167,8 @@ static void emit_run_lights(struct emitter *e) {
         emit_line(e, "    if (%slight->module->is_ambient)", e->ir->uses_ambient ? "!" : "");
         emit_line(e, "        continue;");
     }
-    emit_line(e, "    const float *const position[3] = {call->position[0] + at, call->position[1] + at,");
+    emit_line(
+        e, "    const float *const position[3] = {call->position[0] + at, call->position[1] + at,");
     emit_line(e, "                                      call->position[2] + at};");
     emit_line(e, "    struct shader_light_sample sample;");
     emit_line(e, "    for (int c = 0; c < 3; c++) {");
@@ -201,7 +207,8 @@ static void emit_shade(struct emitter *e) {
 
 static void emit_light(struct emitter *e) {
     e->in_light = true;
-    emit_text(e, "static void shader_light_run(const struct shader_light *self, const float *const position[3],\n"
+    emit_text(e, "static void shader_light_run(const struct shader_light *self, const float *const "
+                 "position[3],\n"
                  "                             uint64_t key, struct shader_light_sample *sample,\n"
                  "                             int *overrun) {\n");
     e->indent = 1;
@@ -212,10 +219,12 @@ static void emit_light(struct emitter *e) {
     emit_line(e, "const uint64_t k%d SHADER_UNUSED = key;", e->key);
     emit_list(e, e->ir->top);
     for (int i = 0; i < 3 && !e->ir->is_ambient; i++)
-        emit_line(e, "vf_store(sample->direction[%d], vf_canonical(v%d));", i, e->ir->direction[i]->id);
+        emit_line(e, "vf_store(sample->direction[%d], vf_canonical(v%d));", i,
+                  e->ir->direction[i]->id);
     for (int i = 0; i < 3; i++)
         emit_line(e, "vf_store(sample->color[%d], vf_canonical(v%d));", i, e->ir->color[i]->id);
-    emit_line(e, "__builtin_memcpy(sample->lit, &v%d, sizeof v%d);", e->ir->lit->id, e->ir->lit->id);
+    emit_line(e, "__builtin_memcpy(sample->lit, &v%d, sizeof v%d);", e->ir->lit->id,
+              e->ir->lit->id);
     emit_text(e, "}\n\n");
 }
 
@@ -243,7 +252,8 @@ static void emit_module(struct emitter *e) {
     emit_text(e, "    .is_light = %d,\n    .is_ambient = %d,\n", is_light, e->ir->is_ambient);
     emit_text(e, "    .material_count = %d,\n    .bound_count = %d,\n", program->material_count,
               program->bound_count);
-    emit_text(e, "    .uniform_count = %d,\n    .spaces = %u,\n", e->ir->uniform_count, e->ir->spaces);
+    emit_text(e, "    .uniform_count = %d,\n    .spaces = %u,\n", e->ir->uniform_count,
+              e->ir->spaces);
     emit_text(e, "    .block_count = %d,\n    .blocks = shader_blocks,\n", e->ir->block_count);
     emit_text(e, "    .uses_lights = %d,\n", e->ir->uses_ambient || e->ir->uses_illuminance);
     emit_text(e, "    .prepare = shader_prepare,\n");

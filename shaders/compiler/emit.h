@@ -4,17 +4,17 @@
 
 #include "shaders/compiler/ir.h"
 
-/* Writing C. Variables are v0, v1 ...; masks m, counters n and keys k carry the number of their node's block or
- * a running number. In prepare() everything is scalar; in shade and light uniform variables are scalars and
- * varying ones vectors. */
+/* Writing C. Variables are v0, v1 ...; masks m, counters n and keys k carry the number of their
+ * node's block or a running number. In prepare() everything is scalar; in shade and light uniform
+ * variables are scalars and varying ones vectors. */
 struct emitter {
     struct compilation *c;
     struct ir_program *ir;
     bool in_prepare, in_light;
-    int mask;       /* number of the mask in force, -1: all samples */
-    int loop_mask;  /* of the innermost varying loop, -1: none */
-    int steps;      /* number of the counter of uniform loop steps */
-    int key;        /* number of the key of the control path */
+    int mask;      /* number of the mask in force, -1: all samples */
+    int loop_mask; /* of the innermost varying loop, -1: none */
+    int steps;     /* number of the counter of uniform loop steps */
+    int key;       /* number of the key of the control path */
     int in_varying_loop;
     int next_number;
     int indent;

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/emit.h"
 
-/* Predication: in varying control flow a mask says for which samples the code runs; assignments to variables
- * of the outside are blended. A body is skipped when no sample is active, unless something in it must report
- * its trips: the array would issue it all the same. */
+/* Predication: in varying control flow a mask says for which samples the code runs; assignments to
+ * variables of the outside are blended. A body is skipped when no sample is active, unless
+ * something in it must report its trips: the array would issue it all the same. */
 
 enum { SKIP_WORTH = 4 }; /* instructions that make a test of the mask worth its while */
 
 static int node_count(const struct ir_list *list, int limit) {
     int count = 0;
-    for (const struct ir_node *node = list ? list->first : NULL; node && count < limit; node = node->next)
+    for (const struct ir_node *node = list ? list->first : NULL; node && count < limit;
+         node = node->next)
         count += node->kind == NODE_INSTRUCTION ? 1 : limit;
     return count;
 }
@@ -27,19 +28,22 @@ static void close(struct emitter *e) {
 /* Starts the control path of an entry into `block`. */
 static int emit_key(struct emitter *e, int block) {
     int key = e->next_number++;
-    emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, %du);", key, e->key, (unsigned)block);
+    emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, %du);", key, e->key,
+              (unsigned)block);
     return key;
 }
 
 /* Reports trips; where all vectors of the call do the same, the first speaks for all. */
-static void emit_report(struct emitter *e, int block, int key, bool is_uniform, const char *trips, int number) {
+static void emit_report(struct emitter *e, int block, int key, bool is_uniform, const char *trips,
+                        int number) {
     const char *counters = e->in_light ? "self->counters" : "call->counters";
     const char *when = is_uniform && !e->in_light && !e->in_varying_loop ? "if (at == 0) " : "";
     if (number >= 0)
-        emit_line(e, "%sshader_report(%s, %du, k%d, %s%d);", when, counters, (unsigned)block, key, trips,
-                  number);
+        emit_line(e, "%sshader_report(%s, %du, k%d, %s%d);", when, counters, (unsigned)block, key,
+                  trips, number);
     else
-        emit_line(e, "%sshader_report(%s, %du, k%d, %s);", when, counters, (unsigned)block, key, trips);
+        emit_line(e, "%sshader_report(%s, %du, k%d, %s);", when, counters, (unsigned)block, key,
+                  trips);
 }
 
 static void emit_side(struct emitter *e, struct ir_node *node, struct ir_list *list, int mask) {
@@ -102,8 +106,8 @@ static void emit_uniform_if(struct emitter *e, struct ir_node *node) {
     close(e);
 }
 
-/* A loop over uniform values. Steps of all uniform loops together are limited; inside a varying loop they count
- * as steps of its samples, too, so that no nest of loops runs for ever. */
+/* A loop over uniform values. Steps of all uniform loops together are limited; inside a varying
+ * loop they count as steps of its samples, too, so that no nest of loops runs for ever. */
 static void emit_uniform_loop(struct emitter *e, struct ir_node *node) {
     int number = e->next_number++, entry = -1, key = e->key;
     if (node->block >= 0)
@@ -116,13 +120,17 @@ static void emit_uniform_loop(struct emitter *e, struct ir_node *node) {
     emit_text(e, "))\n");
     emit_line(e, "    break;");
     emit_line(e, "if (++w%d > SHADER_LOOP_LIMIT) {", e->steps);
-    emit_line(e, "    %s = 1;", e->in_prepare ? "overrun" : e->in_light ? "*overrun" : "call->overrun");
+    emit_line(e, "    %s = 1;",
+              e->in_prepare ? "overrun"
+              : e->in_light ? "*overrun"
+                            : "call->overrun");
     emit_line(e, "    break;");
     emit_line(e, "}");
     emit_line(e, "n%d++;", number);
     if (node->has_blocks && entry >= 0) {
         e->key = e->next_number++;
-        emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, n%d);", e->key, entry, number);
+        emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, n%d);", e->key, entry,
+                  number);
     }
     emit_list(e, node->body);
     close(e);
@@ -164,7 +172,8 @@ static void emit_varying_loop(struct emitter *e, struct ir_node *node) {
     emit_line(e, "uint64_t w%d SHADER_UNUSED = 0;", e->steps);
     if (node->has_blocks) {
         e->key = e->next_number++;
-        emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, n%d);", e->key, entry, number);
+        emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, n%d);", e->key, entry,
+                  number);
     }
     emit_list(e, node->body);
     close(e);
@@ -183,9 +192,12 @@ static void emit_illuminance(struct emitter *e, struct ir_node *node) {
     e->indent++;
     emit_line(e, "if (call->lights[i%d].module->is_ambient)", number);
     emit_line(e, "    continue;");
-    emit_line(e, "const float *light_result = call->light_scratch + (size_t)i%d * 7 * SHADER_WIDTH;", number);
+    emit_line(e,
+              "const float *light_result = call->light_scratch + (size_t)i%d * 7 * SHADER_WIDTH;",
+              number);
     if (e->mask >= 0)
-        emit_line(e, "const vi m%d = m%d & shader_load_mask(light_result + 6 * SHADER_WIDTH);", mask, e->mask);
+        emit_line(e, "const vi m%d = m%d & shader_load_mask(light_result + 6 * SHADER_WIDTH);",
+                  mask, e->mask);
     else
         emit_line(e, "const vi m%d = shader_load_mask(light_result + 6 * SHADER_WIDTH);", mask);
     emit_line(e, "n%d++;", number);
@@ -194,7 +206,8 @@ static void emit_illuminance(struct emitter *e, struct ir_node *node) {
         emit_line(e, "    continue;");
     } else {
         e->key = e->next_number++;
-        emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, n%d);", e->key, entry, number);
+        emit_line(e, "const uint64_t k%d SHADER_UNUSED = shader_key(k%d, n%d);", e->key, entry,
+                  number);
     }
     e->mask = mask;
     emit_list(e, node->body);
@@ -205,7 +218,8 @@ static void emit_illuminance(struct emitter *e, struct ir_node *node) {
 }
 
 void emit_declaration(struct emitter *e, struct ir_variable *v) {
-    static const char *const scalars[] = {"float", "int", "int32_t"}, *const vectors[] = {"vf", "vi", "int32_t"};
+    static const char *const scalars[] = {"float", "int", "int32_t"}, *const vectors[] = {
+                                                                          "vf", "vi", "int32_t"};
     const char *type = (v->is_varying ? vectors : scalars)[v->type];
     if (v->array_length)
         emit_line(e, "%s v%d[%d] = {0};", type, v->id, v->array_length);

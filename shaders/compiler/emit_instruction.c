@@ -41,7 +41,8 @@ void emit_operand(struct emitter *e, const struct ir_operand *operand, bool as_v
 }
 
 /* Fills in $0 $1 $2 and $F. */
-static void emit_pattern(struct emitter *e, const struct ir_node *node, const char *pattern, bool as_vector) {
+static void emit_pattern(struct emitter *e, const struct ir_node *node, const char *pattern,
+                         bool as_vector) {
     for (; *pattern; pattern++) {
         if (*pattern != '$') {
             emit_text(e, "%c", *pattern);
@@ -56,17 +57,20 @@ static void emit_pattern(struct emitter *e, const struct ir_node *node, const ch
 }
 
 /* Whether samples outside the mask in force must keep the variable's value. */
-static bool needs_blend(const struct emitter *e, const struct ir_node *node, const struct ir_variable *v) {
+static bool needs_blend(const struct emitter *e, const struct ir_node *node,
+                        const struct ir_variable *v) {
     if (e->mask < 0 || !v->is_varying)
         return false;
-    for (const struct ir_list *list = node->list; list != v->home && list->owner; list = list->owner->list)
+    for (const struct ir_list *list = node->list; list != v->home && list->owner;
+         list = list->owner->list)
         if (list->owner->is_varying)
             return true;
     return false;
 }
 
 /* `v = `, or with a mask `v = select(mask, ` which close_result ends. */
-static void open_result(struct emitter *e, const struct ir_node *node, const struct ir_variable *v) {
+static void open_result(struct emitter *e, const struct ir_node *node,
+                        const struct ir_variable *v) {
     for (int i = 0; i < e->indent; i++)
         emit_text(e, "    ");
     emit_text(e, "v%d = ", v->id);
@@ -74,7 +78,8 @@ static void open_result(struct emitter *e, const struct ir_node *node, const str
         emit_text(e, "%s(m%d, ", v->type == IR_BOOL ? "vi_select" : "vf_select", e->mask);
 }
 
-static void close_result(struct emitter *e, const struct ir_node *node, const struct ir_variable *v) {
+static void close_result(struct emitter *e, const struct ir_node *node,
+                         const struct ir_variable *v) {
     if (needs_blend(e, node, v))
         emit_text(e, ", v%d)", v->id);
     emit_text(e, ";\n");
@@ -145,7 +150,8 @@ static bool emit_input(struct emitter *e, struct ir_node *node) {
         emit_text(e, "vf_load(call->material[%d] + at)", node->parameter->map_offset + index);
         break;
     case IR_POSITION:
-        emit_text(e, e->in_light ? "vf_load(position[%d])" : "vf_load(call->position[%d] + at)", index);
+        emit_text(e, e->in_light ? "vf_load(position[%d])" : "vf_load(call->position[%d] + at)",
+                  index);
         break;
     case IR_INCIDENT:
         emit_text(e, "vf_load(call->incident[%d] + at)", index);
@@ -186,8 +192,10 @@ static void emit_noise(struct emitter *e, struct ir_node *node) {
     emit_line(e, "%s o%d[3];", is_vector ? "vf" : "float", number);
     for (int i = 0; i < e->indent; i++)
         emit_text(e, "    ");
-    emit_pattern(e, node, is_vector ? ir_operations[node->operation].vector
-                                    : ir_operations[node->operation].scalar, is_vector);
+    emit_pattern(e, node,
+                 is_vector ? ir_operations[node->operation].vector
+                           : ir_operations[node->operation].scalar,
+                 is_vector);
     emit_text(e, "o%d);\n", number);
     for (int i = 0; i < 3; i++) {
         struct ir_variable *v = node->results[i];

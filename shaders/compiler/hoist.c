@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/ir.h"
 
-/* Divides the top level between prepare(), which runs once per instance, and the code that runs for samples.
- * A top-level node goes to prepare() when everything in it is uniform and moving it before all that stays
- * changes no value: it reads nothing that a node which stays has written, and writes nothing that one has
- * touched. What prepare() computes and samples need travels in the uniform block. */
+/* Divides the top level between prepare(), which runs once per instance, and the code that runs for
+ * samples. A top-level node goes to prepare() when everything in it is uniform and moving it before
+ * all that stays changes no value: it reads nothing that a node which stays has written, and writes
+ * nothing that one has touched. What prepare() computes and samples need travels in the uniform
+ * block. */
 
 struct scan {
     bool is_uniform, reads_shade, writes_shade, has_loop;
@@ -24,7 +25,8 @@ static void scan_write(struct ir_variable *variable, void *context) {
 
 static void scan_node(struct ir_node *node, void *context) {
     struct scan *scan = context;
-    if (node->kind == NODE_ILLUMINANCE || (node->kind == NODE_INSTRUCTION && ir_instruction_reads_varying(node)))
+    if (node->kind == NODE_ILLUMINANCE ||
+        (node->kind == NODE_INSTRUCTION && ir_instruction_reads_varying(node)))
         scan->is_uniform = false;
     scan->has_loop |= node->kind == NODE_LOOP;
     ir_each_read(node, scan_read, scan);

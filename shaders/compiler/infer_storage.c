@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/ir.h"
 
-/* Which variables vary from sample to sample: those assigned from something that varies, and those assigned
- * where samples go different ways, unless they live only there. A fixpoint that does not look at the order of
- * assignments. A variable declared uniform never becomes varying; assigning so is the user's mistake. */
+/* Which variables vary from sample to sample: those assigned from something that varies, and those
+ * assigned where samples go different ways, unless they live only there. A fixpoint that does not
+ * look at the order of assignments. A variable declared uniform never becomes varying; assigning so
+ * is the user's mistake. */
 
 struct inference {
     struct ir_program *ir;
@@ -77,7 +78,8 @@ static void start_node(struct ir_node *node, void *context) {
         ir_each_write(node, mark_visited, inference);
 }
 
-static const struct ir_node *varying_control(const struct ir_node *node, const struct ir_variable *variable) {
+static const struct ir_node *varying_control(const struct ir_node *node,
+                                             const struct ir_variable *variable) {
     for (const struct ir_list *list = node->list; list->owner; list = list->owner->list) {
         if (variable->home == list)
             return NULL;
@@ -100,9 +102,11 @@ static void report_write(struct ir_variable *variable, void *context) {
         return;
     const char *name = variable->name ? variable->name : "string";
     if (ir_instruction_reads_varying(node))
-        compile_error(report->c, node->at, "a value that varies is assigned to uniform '%.64s'", name);
+        compile_error(report->c, node->at, "a value that varies is assigned to uniform '%.64s'",
+                      name);
     else if (varying_control(node, variable))
-        compile_error(report->c, node->at, "uniform '%.64s' is assigned where samples go different ways", name);
+        compile_error(report->c, node->at,
+                      "uniform '%.64s' is assigned where samples go different ways", name);
     else
         return;
     report->last = node->at;

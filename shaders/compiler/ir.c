@@ -42,7 +42,8 @@ struct ir_variable *ir_variable_new(struct ir_program *ir, struct ir_list *home,
 struct ir_node *ir_node_new(struct ir_program *ir, struct ir_list *list, enum ir_node_kind kind,
                             const struct source_location *at) {
     if (++ir->instruction_count > INSTRUCTION_COUNT_MAX)
-        compile_limit(ir->c, at, "the shader has more than %d instructions once functions are inlined",
+        compile_limit(ir->c, at,
+                      "the shader has more than %d instructions once functions are inlined",
                       INSTRUCTION_COUNT_MAX);
     struct ir_node *node = compilation_get(ir->c, sizeof *node);
     node->kind = kind;

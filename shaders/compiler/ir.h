@@ -7,10 +7,11 @@
 #include "shaders/compiler/ir_operations.h"
 #include "shaders/simd/shader_module.h"
 
-/* Structured three-address code over scalar variables. Vectors and colours have been taken apart and functions
- * inlined, so that liveness, transfer map and costs are per component. Control flow is nested lists of nodes:
- * break, continue and return have become conditions. Instructions have no side effects but on what they
- * assign; a variable is zero when the list that declares it is entered. Arena memory throughout. */
+/* Structured three-address code over scalar variables. Vectors and colours have been taken apart
+ * and functions inlined, so that liveness, transfer map and costs are per component. Control flow
+ * is nested lists of nodes: break, continue and return have become conditions. Instructions have no
+ * side effects but on what they assign; a variable is zero when the list that declares it is
+ * entered. Arena memory throughout. */
 
 enum ir_operation {
 #define IR_ENUM(name, types, cost, scalar, vector) IR_##name,
@@ -37,22 +38,28 @@ struct ir_variable {
     enum ir_type type;
     int array_length; /* 0: one scalar */
     struct ir_list *home;
-    const char *name;        /* the user's, NULL for a temporary */
-    bool is_temporary;       /* assigned once */
+    const char *name;  /* the user's, NULL for a temporary */
+    bool is_temporary; /* assigned once */
     bool is_declared_uniform;
-    bool is_forced_varying;  /* declared so, or a result of the shader */
-    bool is_varying;         /* infer_storage.c */
-    bool is_live;            /* dead_code.c */
-    bool is_tainted;         /* depends on an illuminance, blocks.c */
+    bool is_forced_varying; /* declared so, or a result of the shader */
+    bool is_varying;        /* infer_storage.c */
+    bool is_live;           /* dead_code.c */
+    bool is_tainted;        /* depends on an illuminance, blocks.c */
     bool in_prepare, in_shade, is_written_in_prepare, is_written_in_shade; /* hoist.c */
-    int slot;                /* first float in the uniform block, -1 when not there */
+    int slot;                        /* first float in the uniform block, -1 when not there */
     int use_count, definition_count; /* scratch of merge_moves.c */
     struct ir_node *definition;
-    struct ir_use *uses;     /* scratch of infer_storage.c and dead_code.c */
+    struct ir_use *uses; /* scratch of infer_storage.c and dead_code.c */
     struct ir_variable *next_in_home;
 };
 
-enum ir_operand_kind { OPERAND_NONE, OPERAND_VARIABLE, OPERAND_FLOAT, OPERAND_BOOL, OPERAND_STRING };
+enum ir_operand_kind {
+    OPERAND_NONE,
+    OPERAND_VARIABLE,
+    OPERAND_FLOAT,
+    OPERAND_BOOL,
+    OPERAND_STRING
+};
 
 struct ir_operand {
     enum ir_operand_kind kind;
@@ -91,10 +98,10 @@ struct ir_node {
      * illuminance: body once per light, for the samples it lights */
     struct ir_operand condition;
     struct ir_list *test, *body, *otherwise;
-    bool is_varying;  /* the samples may go different ways */
+    bool is_varying; /* the samples may go different ways */
     bool is_live, is_prepared;
     int block, block_otherwise; /* -1: none of its own */
-    bool has_blocks;  /* a counted block inside */
+    bool has_blocks;            /* a counted block inside */
     enum shader_stream stream;
 };
 
@@ -107,9 +114,9 @@ struct ir_program {
     int instruction_count;
     int control_depth;
     int array_floats;
-    struct ir_variable *color[3]; /* Ci, or Cl of a light */
+    struct ir_variable *color[3];           /* Ci, or Cl of a light */
     struct ir_variable *direction[3], *lit; /* of a light */
-    bool is_ambient;       /* a light without illuminate and solar */
+    bool is_ambient;                        /* a light without illuminate and solar */
     bool uses_illuminance, uses_ambient;
     uint32_t spaces;
     int uniform_count;     /* floats of the uniform block */
@@ -174,17 +181,20 @@ void ir_each_write(struct ir_node *node, ir_visit_variable *visit, void *context
 
 /* The passes, in order. Each reports what the user did wrong to ir->c and leaves valid IR. */
 /* lower.c; `symbols` are the predefined variables in use, by their number in `globals` */
-struct ir_program *lower_unit(struct compilation *c, struct ast_unit *unit, struct ast_unit *prelude,
-                              struct ast_symbol **symbols);
-void pass_propagate_copies(struct ir_program *ir); /* propagate_copies.c: `x = a; y = x` is `y = a` */
-void pass_merge_moves(struct ir_program *ir);   /* merge_moves.c: `t = a + b; x = t` is `x = a + b` */
-void pass_dead_code(struct ir_program *ir);     /* dead_code.c: what cannot reach the result goes */
+struct ir_program *lower_unit(struct compilation *c, struct ast_unit *unit,
+                              struct ast_unit *prelude, struct ast_symbol **symbols);
+void pass_propagate_copies(
+    struct ir_program *ir);                   /* propagate_copies.c: `x = a; y = x` is `y = a` */
+void pass_merge_moves(struct ir_program *ir); /* merge_moves.c: `t = a + b; x = t` is `x = a + b` */
+void pass_dead_code(struct ir_program *ir);   /* dead_code.c: what cannot reach the result goes */
 void pass_infer_storage(struct ir_program *ir); /* infer_storage.c: uniform or varying */
-void pass_bind_parameters(struct ir_program *ir); /* bind_parameters.c: transfer map and bound values */
-void pass_hoist(struct ir_program *ir);         /* hoist.c: what runs in prepare(), the uniform block */
-void pass_blocks(struct ir_program *ir);        /* blocks.c: streams and operation counts */
-void pass_emit(struct ir_program *ir);          /* emit.c: C text into ir->c->output */
-/* Stops the compilation with STATUS_INTERNAL when the IR breaks a rule of this file; `after` names the pass. */
+void pass_bind_parameters(
+    struct ir_program *ir);              /* bind_parameters.c: transfer map and bound values */
+void pass_hoist(struct ir_program *ir);  /* hoist.c: what runs in prepare(), the uniform block */
+void pass_blocks(struct ir_program *ir); /* blocks.c: streams and operation counts */
+void pass_emit(struct ir_program *ir);   /* emit.c: C text into ir->c->output */
+/* Stops the compilation with STATUS_INTERNAL when the IR breaks a rule of this file; `after` names
+ * the pass. */
 void ir_validate(struct ir_program *ir, const char *after, bool is_storage_known);
 
 #endif

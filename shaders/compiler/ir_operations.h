@@ -2,11 +2,13 @@
 #ifndef IR_OPERATIONS_H
 #define IR_OPERATIONS_H
 
-/* Every instruction of the IR: what the array pays for it (base/simd_operations.h, or FREE) and its C.
+/* Every instruction of the IR: what the array pays for it (base/simd_operations.h, or FREE) and its
+ * C.
  *
- * X(NAME, result and operand types, operation, scalar C, vector C). Types: f float, b condition, s string
- * identity; the first letter is the result ('3' is three floats, each wanted or not; '0' none). In the C, $0 $1
- * $2 are operands, $F is "_fast" when asked for. Rows with no C are written by emit_instruction.c itself. */
+ * X(NAME, result and operand types, operation, scalar C, vector C). Types: f float, b condition, s
+ * string identity; the first letter is the result ('3' is three floats, each wanted or not; '0'
+ * none). In the C, $0 $1 $2 are operands, $F is "_fast" when asked for. Rows with no C are written
+ * by emit_instruction.c itself. */
 #define IR_OPERATIONS(X)                                                                           \
     X(MOVE, "ff", FLOAT_MOVE, "$0", "$0")                                                          \
     X(MOVE_BOOL, "bb", LOGIC, "$0", "$0")                                                          \
@@ -53,13 +55,13 @@
     X(MATERIAL, "f", FREE, NULL, NULL)            /* component `index` of `parameter` */           \
     X(BOUND, "f", FREE, NULL, NULL)               /* the same, bound */                            \
     X(BOUND_STRING, "s", FREE, NULL, NULL)                                                         \
-    X(GIVEN, "b", FREE, NULL, NULL)               /* whether `parameter` was given */              \
-    X(POSITION, "f", FREE, NULL, NULL)            /* component `index` */                          \
+    X(GIVEN, "b", FREE, NULL, NULL)    /* whether `parameter` was given */                         \
+    X(POSITION, "f", FREE, NULL, NULL) /* component `index` */                                     \
     X(INCIDENT, "f", FREE, NULL, NULL)                                                             \
-    X(AMBIENT, "f", FLOAT_MOVE, NULL, NULL)       /* from the communication area of the lights */  \
-    X(LIGHT_DIRECTION, "f", FREE, NULL, NULL)     /* of the light of the illuminance around it */  \
+    X(AMBIENT, "f", FLOAT_MOVE, NULL, NULL)   /* from the communication area of the lights */      \
+    X(LIGHT_DIRECTION, "f", FREE, NULL, NULL) /* of the light of the illuminance around it */      \
     X(LIGHT_COLOR, "f", FREE, NULL, NULL)                                                          \
-    X(FROM_CAMERA, "fs", FREE, NULL, NULL)        /* matrix element `index`; operand 0: the space */ \
+    X(FROM_CAMERA, "fs", FREE, NULL, NULL) /* matrix element `index`; operand 0: the space */      \
     X(TO_CAMERA, "fs", FREE, NULL, NULL)
 
 #endif

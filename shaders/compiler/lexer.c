@@ -20,20 +20,22 @@ static const struct {
     char text[3];
     int kind;
 } pairs[] = {
-    {"<=", TOKEN_LESS_EQUAL},      {">=", TOKEN_GREATER_EQUAL},   {"==", TOKEN_EQUAL},
-    {"!=", TOKEN_NOT_EQUAL},       {"&&", TOKEN_AND},             {"||", TOKEN_OR},
-    {"+=", TOKEN_ADD_ASSIGN},      {"-=", TOKEN_SUBTRACT_ASSIGN}, {"*=", TOKEN_MULTIPLY_ASSIGN},
+    {"<=", TOKEN_LESS_EQUAL},
+    {">=", TOKEN_GREATER_EQUAL},
+    {"==", TOKEN_EQUAL},
+    {"!=", TOKEN_NOT_EQUAL},
+    {"&&", TOKEN_AND},
+    {"||", TOKEN_OR},
+    {"+=", TOKEN_ADD_ASSIGN},
+    {"-=", TOKEN_SUBTRACT_ASSIGN},
+    {"*=", TOKEN_MULTIPLY_ASSIGN},
     {"/=", TOKEN_DIVIDE_ASSIGN},
 };
 
 void lexer_start(struct lexer *lexer, struct compilation *c, const char *file, const char *text,
                  size_t length) {
-    *lexer = (struct lexer){.c = c,
-                            .cursor = text,
-                            .end = text + length,
-                            .line_text = text,
-                            .file = file,
-                            .line = 1};
+    *lexer = (struct lexer){
+        .c = c, .cursor = text, .end = text + length, .line_text = text, .file = file, .line = 1};
 }
 
 static struct source_location here(const struct lexer *lexer) {
@@ -53,8 +55,8 @@ static void new_line(struct lexer *lexer) {
     lexer->line_text = lexer->cursor;
 }
 
-/* A line that starts with '#': `# 12 "file"` or `#line 12 "file"` from a preprocessor that ran before us says
- * where the next line came from; anything else would need a preprocessor. */
+/* A line that starts with '#': `# 12 "file"` or `#line 12 "file"` from a preprocessor that ran
+ * before us says where the next line came from; anything else would need a preprocessor. */
 static void skip_directive(struct lexer *lexer) {
     struct source_location at = here(lexer);
     const char *text = lexer->cursor + 1;
@@ -71,8 +73,9 @@ static void skip_directive(struct lexer *lexer) {
     const char *open = memchr(text, '"', (size_t)(line_end - text));
     const char *close = open ? memchr(open + 1, '"', (size_t)(line_end - open - 1)) : NULL;
     if (!digits) {
-        compile_error(lexer->c, &at,
-                      "preprocessor directives are not supported; run the shader through cpp first");
+        compile_error(
+            lexer->c, &at,
+            "preprocessor directives are not supported; run the shader through cpp first");
         lexer->cursor = line_end;
         return;
     }
@@ -228,7 +231,8 @@ void lexer_next(struct lexer *lexer, struct token *token) {
             return;
         }
         compile_error(lexer->c, &token->at,
-                      byte > ' ' && byte < 127 ? "unexpected character '%c'" : "unexpected byte %d", byte);
+                      byte > ' ' && byte < 127 ? "unexpected character '%c'" : "unexpected byte %d",
+                      byte);
     }
 }
 

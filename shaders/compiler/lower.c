@@ -39,8 +39,8 @@ static void declare_results(struct lowering *l, struct ast_symbol **symbols) {
     l->ir->lit->is_forced_varying = true;
 }
 
-struct ir_program *lower_unit(struct compilation *c, struct ast_unit *unit, struct ast_unit *prelude,
-                              struct ast_symbol **symbols) {
+struct ir_program *lower_unit(struct compilation *c, struct ast_unit *unit,
+                              struct ast_unit *prelude, struct ast_symbol **symbols) {
     struct ir_program *ir = compilation_get(c, sizeof *ir);
     struct lowering lowering = {.c = c, .ir = ir, .prelude = prelude->functions}, *l = &lowering;
     struct lower_call call = {.function = unit->shader};

@@ -31,13 +31,13 @@ struct lower_call {
 struct lowering {
     struct compilation *c;
     struct ir_program *ir;
-    struct ir_list *list; /* being appended to */
+    struct ir_list *list;  /* being appended to */
     struct ir_list *scope; /* where variables of the user are declared: never a guard */
     struct lower_call *call;
     const struct source_location *site; /* of the call into the prelude, NULL outside of it */
     bool in_default; /* evaluating a parameter's default: points are in shader space */
     struct ir_value light_direction, light_color; /* inside illuminance; count 0 outside */
-    struct ast_symbol *direction, *color; /* L and Cl of a light, or Ci */
+    struct ast_symbol *direction, *color;         /* L and Cl of a light, or Ci */
     struct ast_function *prelude;
 };
 
@@ -45,17 +45,19 @@ struct lowering {
 const struct source_location *lower_at(struct lowering *l, const struct source_location *at);
 struct ir_variable *lower_temporary(struct lowering *l, enum ir_type type);
 struct ir_operand lower_operate(struct lowering *l, const struct source_location *at,
-                                enum ir_operation operation, struct ir_operand a, struct ir_operand b,
-                                struct ir_operand d);
-struct ir_operand lower_unary(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                              struct ir_operand a);
-struct ir_operand lower_binary(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                               struct ir_operand a, struct ir_operand b);
-struct ir_operand lower_dot(struct lowering *l, const struct source_location *at, const struct ir_value *a,
-                            const struct ir_value *b);
-struct ir_operand lower_length(struct lowering *l, const struct source_location *at, const struct ir_value *a);
-struct ir_value lower_each(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                           const struct ir_value *a, const struct ir_value *b);
+                                enum ir_operation operation, struct ir_operand a,
+                                struct ir_operand b, struct ir_operand d);
+struct ir_operand lower_unary(struct lowering *l, const struct source_location *at,
+                              enum ir_operation op, struct ir_operand a);
+struct ir_operand lower_binary(struct lowering *l, const struct source_location *at,
+                               enum ir_operation op, struct ir_operand a, struct ir_operand b);
+struct ir_operand lower_dot(struct lowering *l, const struct source_location *at,
+                            const struct ir_value *a, const struct ir_value *b);
+struct ir_operand lower_length(struct lowering *l, const struct source_location *at,
+                               const struct ir_value *a);
+struct ir_value lower_each(struct lowering *l, const struct source_location *at,
+                           enum ir_operation op, const struct ir_value *a,
+                           const struct ir_value *b);
 struct ir_value lower_normalize(struct lowering *l, const struct source_location *at,
                                 const struct ir_value *a);
 struct ir_value lower_constant(float number, int count);
@@ -65,20 +67,23 @@ void lower_move(struct lowering *l, const struct source_location *at, struct ir_
 void lower_assign(struct lowering *l, const struct source_location *at, const struct ir_value *to,
                   const struct ir_value *from);
 /* New variables for a value of this type, declared in l->scope. */
-struct ir_value lower_variables(struct lowering *l, const struct source_location *at, enum ast_type type,
-                                int array_length, const char *name, enum ast_storage storage);
+struct ir_value lower_variables(struct lowering *l, const struct source_location *at,
+                                enum ast_type type, int array_length, const char *name,
+                                enum ast_storage storage);
 enum ir_type lower_type(enum ast_type type);
 /* Opens a nested list: the node's control flow may be at most CONTROL_DEPTH_MAX deep. */
-struct ir_node *lower_control(struct lowering *l, enum ir_node_kind kind, const struct source_location *at);
+struct ir_node *lower_control(struct lowering *l, enum ir_node_kind kind,
+                              const struct source_location *at);
 
 /* lower_space.c */
-struct ir_value lower_transform(struct lowering *l, const struct source_location *at, enum ast_type type,
-                                const struct ir_operand *from, const struct ir_operand *to,
-                                const struct ir_value *value);
+struct ir_value lower_transform(struct lowering *l, const struct source_location *at,
+                                enum ast_type type, const struct ir_operand *from,
+                                const struct ir_operand *to, const struct ir_value *value);
 /* The operand for a space written out; an error when there is no such space. */
-struct ir_operand lower_space(struct lowering *l, const struct source_location *at, const char *name);
-struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e, const char *from,
-                                  const char *to, const struct ir_value *value);
+struct ir_operand lower_space(struct lowering *l, const struct source_location *at,
+                              const char *name);
+struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e,
+                                  const char *from, const char *to, const struct ir_value *value);
 
 /* lower_expression.c */
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
@@ -86,16 +91,18 @@ struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
 struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e);
 /* lower_call.c */
 struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e);
-struct ir_value lower_prelude_call(struct lowering *l, const struct source_location *at, const char *name,
-                                   const struct ir_value *argument);
+struct ir_value lower_prelude_call(struct lowering *l, const struct source_location *at,
+                                   const char *name, const struct ir_value *argument);
 /* lower_symbol.c: variables, parameters, predefined variables */
 struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
                               const struct source_location *at);
 void lower_parameters(struct lowering *l, struct ast_function *shader);
 struct shader_parameter *lower_find_parameter(struct lowering *l, const char *name);
 /* lower_statement.c */
-/* Whether neither break, continue (when `in_body`) nor return was reached; a constant when there are none. */
-struct ir_operand lower_still_running(struct lowering *l, const struct source_location *at, bool in_body);
+/* Whether neither break, continue (when `in_body`) nor return was reached; a constant when there
+ * are none. */
+struct ir_operand lower_still_running(struct lowering *l, const struct source_location *at,
+                                      bool in_body);
 void lower_statements(struct lowering *l, struct ast_statement *list);
 /* lower_light.c */
 void lower_illuminance(struct lowering *l, struct ast_statement *s);

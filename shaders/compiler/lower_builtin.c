@@ -13,25 +13,27 @@ static struct ir_value scalar(struct ir_operand operand) {
     return (struct ir_value){.count = 1, .part = {operand}};
 }
 
-static struct ir_operand op1(struct lowering *l, const struct ast_expression *e, enum ir_operation op,
-                             struct ir_operand a) {
+static struct ir_operand op1(struct lowering *l, const struct ast_expression *e,
+                             enum ir_operation op, struct ir_operand a) {
     return lower_unary(l, &e->at, op, a);
 }
 
-static struct ir_operand op2(struct lowering *l, const struct ast_expression *e, enum ir_operation op,
-                             struct ir_operand a, struct ir_operand b) {
+static struct ir_operand op2(struct lowering *l, const struct ast_expression *e,
+                             enum ir_operation op, struct ir_operand a, struct ir_operand b) {
     return lower_binary(l, &e->at, op, a, b);
 }
 
 /* mod(a, b) = a - b floor(a / b) */
-static struct ir_operand lower_mod(struct lowering *l, const struct ast_expression *e, struct ir_operand a,
-                                   struct ir_operand b) {
+static struct ir_operand lower_mod(struct lowering *l, const struct ast_expression *e,
+                                   struct ir_operand a, struct ir_operand b) {
     struct ir_operand whole = op1(l, e, IR_FLOOR, op2(l, e, IR_DIVIDE, a, b));
     return op2(l, e, IR_SUBTRACT, a, op2(l, e, IR_MULTIPLY, b, whole));
 }
 
-static struct ir_operand lower_sign(struct lowering *l, const struct ast_expression *e, struct ir_operand a) {
-    struct ir_operand below = op2(l, e, IR_LESS, a, ir_float(0)), above = op2(l, e, IR_LESS, ir_float(0), a);
+static struct ir_operand lower_sign(struct lowering *l, const struct ast_expression *e,
+                                    struct ir_operand a) {
+    struct ir_operand below = op2(l, e, IR_LESS, a, ir_float(0)),
+                      above = op2(l, e, IR_LESS, ir_float(0), a);
     struct ir_operand rest = lower_operate(l, &e->at, IR_SELECT, above, ir_float(1), ir_float(0));
     return lower_operate(l, &e->at, IR_SELECT, below, ir_float(-1), rest);
 }
@@ -46,15 +48,17 @@ static struct ir_value lower_mix(struct lowering *l, const struct ast_expression
     return lower_each(l, &e->at, IR_ADD, &a, &b);
 }
 
-/* With a direction of reference the sign of -incident . reference decides, without one the vector's own. */
+/* With a direction of reference the sign of -incident . reference decides, without one the vector's
+ * own. */
 static struct ir_value lower_faceforward(struct lowering *l, const struct ast_expression *e,
                                          const struct arguments *a) {
     struct ir_operand along = lower_dot(l, &e->at, &a->value[1], &a->value[a->count == 3 ? 2 : 0]);
     struct ir_operand turns = op2(l, e, IR_LESS, ir_float(0), along);
     struct ir_value result = {.count = 3};
     for (int i = 0; i < 3; i++)
-        result.part[i] = lower_operate(l, &e->at, IR_SELECT, turns, op1(l, e, IR_NEGATE, a->value[0].part[i]),
-                                       a->value[0].part[i]);
+        result.part[i] =
+            lower_operate(l, &e->at, IR_SELECT, turns, op1(l, e, IR_NEGATE, a->value[0].part[i]),
+                          a->value[0].part[i]);
     return result;
 }
 
@@ -85,7 +89,8 @@ static struct ir_operand lower_comp(struct lowering *l, const struct ast_express
         return value->part[index.number >= 2 ? 2 : index.number >= 1 ? 1 : 0];
     struct ir_operand is_second = op2(l, e, IR_LESS_EQUAL, ir_float(1), index);
     struct ir_operand is_third = op2(l, e, IR_LESS_EQUAL, ir_float(2), index);
-    struct ir_operand first = lower_operate(l, &e->at, IR_SELECT, is_second, value->part[1], value->part[0]);
+    struct ir_operand first =
+        lower_operate(l, &e->at, IR_SELECT, is_second, value->part[1], value->part[0]);
     return lower_operate(l, &e->at, IR_SELECT, is_third, value->part[2], first);
 }
 
@@ -97,7 +102,8 @@ static struct ir_value lower_setcomp(struct lowering *l, const struct ast_expres
     struct ir_operand number = a->value[a->count - 1].part[0];
     struct ir_value old = a->value[0], changed = old;
     if (target->kind != EXPRESSION_NAME) {
-        compile_error(l->c, lower_at(l, &target->at), "components of array elements cannot be set singly");
+        compile_error(l->c, lower_at(l, &target->at),
+                      "components of array elements cannot be set singly");
         return lower_constant(0, 1);
     }
     for (int i = 0; i < 3; i++) {
@@ -107,8 +113,9 @@ static struct ir_value lower_setcomp(struct lowering *l, const struct ast_expres
                 lower_move(l, &e->at, old.part[i].variable, number);
             continue;
         }
-        struct ir_operand is_it = op2(l, e, i == 0 ? IR_LESS : IR_LESS_EQUAL, i == 0 ? index : ir_float((float)i),
-                                      i == 0 ? ir_float(1) : index);
+        struct ir_operand is_it =
+            op2(l, e, i == 0 ? IR_LESS : IR_LESS_EQUAL, i == 0 ? index : ir_float((float)i),
+                i == 0 ? ir_float(1) : index);
         if (i == 1)
             is_it = op2(l, e, IR_AND, is_it, op2(l, e, IR_LESS, index, ir_float(2)));
         changed.part[i] = lower_operate(l, &e->at, IR_SELECT, is_it, number, old.part[i]);
@@ -195,7 +202,8 @@ static struct ir_value lower_one_float(struct lowering *l, const struct ast_expr
     case BUILTIN_ROUND:
         return scalar(op1(l, e, IR_ROUND, x));
     case BUILTIN_STEP: /* step(limit, x): 0 below the limit, 1 from there on */
-        return scalar(lower_operate(l, &e->at, IR_SELECT, op2(l, e, IR_LESS, y, x), ir_float(0), ir_float(1)));
+        return scalar(lower_operate(l, &e->at, IR_SELECT, op2(l, e, IR_LESS, y, x), ir_float(0),
+                                    ir_float(1)));
     default:
         return lower_constant(0, ast_type_width(e->type));
     }
@@ -205,7 +213,8 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     struct arguments a = {0};
     struct ir_value difference;
     const char *to;
-    for (struct ast_expression *x = e->arguments; x && e->builtin->id != BUILTIN_PRINTF; x = x->next) {
+    for (struct ast_expression *x = e->arguments; x && e->builtin->id != BUILTIN_PRINTF;
+         x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_expression(l, x);
     }
@@ -252,7 +261,8 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
         return lower_spaces(l, e, &a, TYPE_NORMAL);
     case BUILTIN_CTRANSFORM:
         to = a.expression[a.count - 2]->name;
-        return lower_color_space(l, e, a.count == 3 ? a.expression[0]->name : "rgb", to, &a.value[a.count - 1]);
+        return lower_color_space(l, e, a.count == 3 ? a.expression[0]->name : "rgb", to,
+                                 &a.value[a.count - 1]);
     case BUILTIN_AMBIENT:
         return lower_ambient(l, e);
     case BUILTIN_PRINTF:

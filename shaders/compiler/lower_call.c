@@ -18,13 +18,15 @@ static _Noreturn void complain_cycle(struct lowering *l, const struct source_loc
     for (int i = count - 2; i >= 0 && length < 180; i--)
         length += (size_t)snprintf(text + length, sizeof text - length, " calls %.40s",
                                    calls[i]->function->name);
-    compile_error(l->c, lower_at(l, at), "recursion: %s calls %.40s; functions are inlined and cannot call "
-                                         "themselves", text, function->name);
+    compile_error(l->c, lower_at(l, at),
+                  "recursion: %s calls %.40s; functions are inlined and cannot call "
+                  "themselves",
+                  text, function->name);
     compilation_stop(l->c);
 }
 
-/* A formal that is only read stands for the argument itself. Others get variables of their own; those of
- * output formals are copied back after the call. */
+/* A formal that is only read stands for the argument itself. Others get variables of their own;
+ * those of output formals are copied back after the call. */
 static bool is_alias(const struct ast_function *function, const struct ast_symbol *formal,
                      const struct ir_value *argument) {
     if (formal->array_length)
@@ -78,7 +80,8 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
         complain_cycle(l, &e->at, function);
     if (function->formal_count > 64)
         compile_limit(l->c, lower_at(l, &e->at), "a function with more than 64 parameters");
-    if (++l->ir->instruction_count > INSTRUCTION_COUNT_MAX) /* a call that adds nothing is work, too */
+    if (++l->ir->instruction_count >
+        INSTRUCTION_COUNT_MAX) /* a call that adds nothing is work, too */
         compile_limit(l->c, lower_at(l, &e->at),
                       "the shader has more than %d instructions once functions are inlined",
                       INSTRUCTION_COUNT_MAX);
@@ -110,8 +113,8 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
     return result;
 }
 
-struct ir_value lower_prelude_call(struct lowering *l, const struct source_location *at, const char *name,
-                                   const struct ir_value *argument) {
+struct ir_value lower_prelude_call(struct lowering *l, const struct source_location *at,
+                                   const char *name, const struct ir_value *argument) {
     struct ast_function *function = l->prelude;
     while (function && strcmp(function->name, name))
         function = function->next;

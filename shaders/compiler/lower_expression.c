@@ -12,13 +12,12 @@ static struct ir_value widen(const struct ir_value *value, enum ast_type type) {
 }
 
 static bool is_spaceless_geometry(const struct ast_expression *e, enum ast_type type) {
-    return ast_type_is_geometric(type) &&
-           (e->kind == EXPRESSION_TUPLE || e->type == TYPE_FLOAT);
+    return ast_type_is_geometric(type) && (e->kind == EXPRESSION_TUPLE || e->type == TYPE_FLOAT);
 }
 
 /* In the default value of a parameter (x, y, z) is in shader space, elsewhere in current space. */
-static struct ir_value into_current(struct lowering *l, const struct source_location *at, enum ast_type type,
-                                    const struct ir_value *value) {
+static struct ir_value into_current(struct lowering *l, const struct source_location *at,
+                                    enum ast_type type, const struct ir_value *value) {
     struct ir_operand from = ir_string(SHADER_SPACE_SHADER), to = ir_string(SHADER_SPACE_CURRENT);
     return lower_transform(l, at, type, &from, &to, value);
 }
@@ -50,7 +49,8 @@ static struct ir_value lower_tuple(struct lowering *l, struct ast_expression *e)
 static struct ir_value lower_cast(struct lowering *l, struct ast_expression *e) {
     bool in_default = l->in_default;
     bool takes_space = is_spaceless_geometry(e->left, e->type);
-    l->in_default = in_default && !takes_space; /* the cast says or implies the space of what it holds */
+    l->in_default =
+        in_default && !takes_space; /* the cast says or implies the space of what it holds */
     struct ir_value value = lower_expression(l, e->left);
     l->in_default = in_default;
     if (e->left->type == TYPE_BOOL)
@@ -60,7 +60,8 @@ static struct ir_value lower_cast(struct lowering *l, struct ast_expression *e) 
     if (e->name && e->type == TYPE_COLOR)
         return lower_color_space(l, e, e->name, "rgb", &value);
     if (e->name && ast_type_is_geometric(e->type)) {
-        struct ir_operand from = lower_space(l, &e->at, e->name), to = ir_string(SHADER_SPACE_CURRENT);
+        struct ir_operand from = lower_space(l, &e->at, e->name),
+                          to = ir_string(SHADER_SPACE_CURRENT);
         return lower_transform(l, &e->at, e->type, &from, &to, &value);
     }
     if (in_default && takes_space)
@@ -74,7 +75,8 @@ static struct ir_value lower_unary_expression(struct lowering *l, struct ast_exp
         if (value.part[i].kind == OPERAND_FLOAT)
             value.part[i].number = -value.part[i].number;
         else
-            value.part[i] = lower_unary(l, &e->at, e->operator== '!' ? IR_NOT : IR_NEGATE, value.part[i]);
+            value.part[i] =
+                lower_unary(l, &e->at, e->token == '!' ? IR_NOT : IR_NEGATE, value.part[i]);
     }
     return value;
 }
@@ -95,9 +97,9 @@ static struct ir_value scalar(struct ir_operand operand) {
     return (struct ir_value){.count = 1, .part = {operand}};
 }
 
-static struct ir_value lower_equality(struct lowering *l, struct ast_expression *e, const struct ir_value *a,
-                                      const struct ir_value *b) {
-    bool is_equal = e->operator== TOKEN_EQUAL;
+static struct ir_value lower_equality(struct lowering *l, struct ast_expression *e,
+                                      const struct ir_value *a, const struct ir_value *b) {
+    bool is_equal = e->token == TOKEN_EQUAL;
     if (e->left->type == TYPE_STRING) {
         struct ir_operand same = lower_binary(l, &e->at, IR_STRING_EQUAL, a->part[0], b->part[0]);
         return scalar(is_equal ? same : lower_unary(l, &e->at, IR_NOT, same));
@@ -109,8 +111,8 @@ static struct ir_value lower_equality(struct lowering *l, struct ast_expression 
     return scalar(all);
 }
 
-static enum ir_operation arithmetic(int operator) {
-    switch (operator) {
+static enum ir_operation arithmetic(int token) {
+    switch (token) {
     case '+':
         return IR_ADD;
     case '-':
@@ -124,7 +126,7 @@ static enum ir_operation arithmetic(int operator) {
 
 static struct ir_value lower_binary_expression(struct lowering *l, struct ast_expression *e) {
     struct ir_value a = lower_expression(l, e->left), b = lower_expression(l, e->right);
-    switch (e->operator) {
+    switch (e->token) {
     case TOKEN_AND:
         return scalar(lower_binary(l, &e->at, IR_AND, a.part[0], b.part[0]));
     case TOKEN_OR:
@@ -145,7 +147,7 @@ static struct ir_value lower_binary_expression(struct lowering *l, struct ast_ex
     case '^':
         return lower_cross(l, &e->at, &a, &b);
     }
-    return lower_each(l, &e->at, arithmetic(e->operator), &a, &b);
+    return lower_each(l, &e->at, arithmetic(e->token), &a, &b);
 }
 
 /* Whether evaluating costs little and changes nothing, so that both sides of ?: may run. */
@@ -177,7 +179,8 @@ static struct ir_value lower_conditional(struct lowering *l, struct ast_expressi
     if (lower_type(e->type) == IR_FLOAT && is_simple(e->right) && is_simple(e->third)) {
         struct ir_value a = lower_expression(l, e->right), b = lower_expression(l, e->third);
         for (int i = 0; i < value.count; i++)
-            value.part[i] = lower_operate(l, &e->at, IR_SELECT, condition.part[0], a.part[i], b.part[i]);
+            value.part[i] =
+                lower_operate(l, &e->at, IR_SELECT, condition.part[0], a.part[i], b.part[i]);
         return value;
     }
     for (int i = 0; i < value.count; i++)
@@ -201,7 +204,8 @@ static struct ir_value lower_conditional(struct lowering *l, struct ast_expressi
 static void lower_store(struct lowering *l, struct ast_expression *target, struct ir_value *array,
                         struct ir_operand index, const struct ir_value *from) {
     for (int i = 0; i < array->count; i++) {
-        struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &target->at));
+        struct ir_node *node =
+            ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &target->at));
         node->operation = IR_ARRAY_STORE;
         node->array = array->part[i].variable;
         node->operands[0] = index;
@@ -227,9 +231,9 @@ static struct ir_value lower_assignment(struct lowering *l, struct ast_expressio
     bool is_element = e->left->kind == EXPRESSION_INDEX;
     if (is_element)
         index = lower_expression(l, e->left->right);
-    if (e->operator) {
+    if (e->token) {
         struct ir_value left = is_element ? lower_load(l, &e->at, &target, index.part[0]) : target;
-        right = lower_each(l, &e->at, arithmetic(e->operator), &left, &right);
+        right = lower_each(l, &e->at, arithmetic(e->token), &left, &right);
     }
     right = widen(&right, e->type);
     if (is_element)

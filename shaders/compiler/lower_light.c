@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/lower.h"
 
-/* illuminance in surfaces, illuminate and solar in lights. A cone test is ordinary code: a direction d is in
- * the cone about the unit axis a when d . a >= cos(angle) |d|, which needs no division. */
+/* illuminance in surfaces, illuminate and solar in lights. A cone test is ordinary code: a
+ * direction d is in the cone about the unit axis a when d . a >= cos(angle) |d|, which needs no
+ * division. */
 
 struct cone {
     bool is_there;
@@ -10,7 +11,8 @@ struct cone {
     struct ir_operand cosine;
 };
 
-static struct cone lower_cone(struct lowering *l, struct ast_expression *axis, struct ast_expression *angle) {
+static struct cone lower_cone(struct lowering *l, struct ast_expression *axis,
+                              struct ast_expression *angle) {
     struct cone cone = {.is_there = true};
     struct ir_value direction = lower_expression(l, axis);
     cone.axis = lower_normalize(l, &axis->at, &direction);
@@ -27,7 +29,8 @@ static struct ir_operand lower_in_cone(struct lowering *l, const struct source_l
 }
 
 /* if (condition) { ... the statement follows in the list this opens */
-static void open_if(struct lowering *l, const struct source_location *at, struct ir_operand condition) {
+static void open_if(struct lowering *l, const struct source_location *at,
+                    struct ir_operand condition) {
     struct ir_node *node = lower_control(l, NODE_IF, at);
     node->condition = condition;
     l->list = l->scope = node->body;
@@ -56,9 +59,9 @@ void lower_illuminance(struct lowering *l, struct ast_statement *s) {
     struct cone cone = {0};
     struct lower_loop loop = {.is_illuminance = true, .outer = l->call->loops};
     if (l->ir->kind != SHADER_KIND_SURFACE || l->light_direction.count) {
-        compile_error(l->c, lower_at(l, &s->at), l->light_direction.count
-                                                     ? "illuminance inside illuminance"
-                                                     : "illuminance belongs into a surface shader");
+        compile_error(l->c, lower_at(l, &s->at),
+                      l->light_direction.count ? "illuminance inside illuminance"
+                                               : "illuminance belongs into a surface shader");
         return;
     }
     if (axis)
@@ -87,11 +90,12 @@ void lower_illuminance(struct lowering *l, struct ast_statement *s) {
     l->scope = scope;
 }
 
-/* illuminate(from): L is from there to the sample; solar(axis, angle): L is the axis. The samples in the cone
- * are lit, and the statement runs for them. */
+/* illuminate(from): L is from there to the sample; solar(axis, angle): L is the axis. The samples
+ * in the cone are lit, and the statement runs for them. */
 void lower_illuminate(struct lowering *l, struct ast_statement *s) {
     bool is_solar = s->kind == STATEMENT_SOLAR;
-    struct ast_expression *first = s->arguments, *axis = s->argument_count == 3 ? first->next : NULL;
+    struct ast_expression *first = s->arguments,
+                          *axis = s->argument_count == 3 ? first->next : NULL;
     struct ir_operand none = {0};
     struct ir_value *direction = lower_symbol(l, l->direction, &s->at);
     struct cone cone = {0};

@@ -17,7 +17,8 @@ int32_t shader_string_identity(const char *text) {
     return (int32_t)((hash & (SHADER_STRING_HASHED - 1)) | SHADER_STRING_HASHED);
 }
 
-struct ir_operand lower_space(struct lowering *l, const struct source_location *at, const char *name) {
+struct ir_operand lower_space(struct lowering *l, const struct source_location *at,
+                              const char *name) {
     const char *best = NULL;
     int distance = 0;
     int32_t identity = shader_string_identity(name);
@@ -26,10 +27,12 @@ struct ir_operand lower_space(struct lowering *l, const struct source_location *
     for (int i = 0; i < SHADER_SPACE_COUNT; i++)
         suggestion_consider(name, space_names[i], &best, &distance);
     if (best)
-        compile_error(l->c, lower_at(l, at), "unknown space \"%.64s\"; did you mean \"%s\"?", name, best);
+        compile_error(l->c, lower_at(l, at), "unknown space \"%.64s\"; did you mean \"%s\"?", name,
+                      best);
     else
-        compile_error(l->c, lower_at(l, at),
-                      "unknown space \"%.64s\"; there are current, camera, shader, object and world", name);
+        compile_error(
+            l->c, lower_at(l, at),
+            "unknown space \"%.64s\"; there are current, camera, shader, object and world", name);
     return ir_string(SHADER_SPACE_CURRENT);
 }
 
@@ -39,8 +42,9 @@ static bool is_camera(const struct ir_operand *space) {
 }
 
 /* Element (row, column) of a matrix of this space: uniform, so free. */
-static struct ir_operand element(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                                 const struct ir_operand *space, int row, int column) {
+static struct ir_operand element(struct lowering *l, const struct source_location *at,
+                                 enum ir_operation op, const struct ir_operand *space, int row,
+                                 int column) {
     struct ir_operand none = {0};
     struct ir_operand result = lower_operate(l, at, op, *space, none, none);
     l->list->last->index = row * 4 + column;
@@ -50,7 +54,8 @@ static struct ir_operand element(struct lowering *l, const struct source_locatio
 /* p' = p M; a normal goes by the transpose of the inverse, which is the matrix the other way. */
 static struct ir_value transform_once(struct lowering *l, const struct source_location *at,
                                       enum ast_type type, enum ir_operation op,
-                                      const struct ir_operand *space, const struct ir_value *value) {
+                                      const struct ir_operand *space,
+                                      const struct ir_value *value) {
     struct ir_value result = {.count = 3};
     bool is_normal = type == TYPE_NORMAL;
     if (is_normal)
@@ -80,9 +85,9 @@ static void need(struct lowering *l, const struct ir_operand *space) {
         l->ir->spaces |= (1u << SHADER_SPACE_COUNT) - 1;
 }
 
-struct ir_value lower_transform(struct lowering *l, const struct source_location *at, enum ast_type type,
-                                const struct ir_operand *from, const struct ir_operand *to,
-                                const struct ir_value *value) {
+struct ir_value lower_transform(struct lowering *l, const struct source_location *at,
+                                enum ast_type type, const struct ir_operand *from,
+                                const struct ir_operand *to, const struct ir_value *value) {
     struct ir_value result = *value;
     bool is_same = from->kind == OPERAND_STRING && to->kind == OPERAND_STRING &&
                    from->identity == to->identity;
@@ -99,8 +104,8 @@ struct ir_value lower_transform(struct lowering *l, const struct source_location
     return result;
 }
 
-struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e, const char *from,
-                                  const char *to, const struct ir_value *value) {
+struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e,
+                                  const char *from, const char *to, const struct ir_value *value) {
     char name[32];
     struct ir_value result = *value;
     if (!strcmp(from, to))

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/lower.h"
 
-/* Statements become nested lists of nodes. break, continue and return set flags; what follows a statement that
- * may have set one runs under a guard, and loops ask the flags in their condition. */
+/* Statements become nested lists of nodes. break, continue and return set flags; what follows a
+ * statement that may have set one runs under a guard, and loops ask the flags in their condition.
+ */
 
 static void lower_statement(struct lowering *l, struct ast_statement *s);
 
@@ -11,8 +12,10 @@ static struct ir_operand negate(struct lowering *l, const struct source_location
     return lower_unary(l, at, IR_NOT, ir_of(flag));
 }
 
-/* The condition under which the rest of the list still runs, after a statement that may have left it. */
-struct ir_operand lower_still_running(struct lowering *l, const struct source_location *at, bool in_body) {
+/* The condition under which the rest of the list still runs, after a statement that may have left
+ * it. */
+struct ir_operand lower_still_running(struct lowering *l, const struct source_location *at,
+                                      bool in_body) {
     struct ir_operand running = ir_bool(true);
     struct lower_loop *loop = l->call->loops;
     if (loop && loop->broken)
@@ -42,7 +45,8 @@ void lower_statements(struct lowering *l, struct ast_statement *list) {
     l->list = outer;
 }
 
-static void set_flag(struct lowering *l, const struct source_location *at, struct ir_variable *flag) {
+static void set_flag(struct lowering *l, const struct source_location *at,
+                     struct ir_variable *flag) {
     if (flag)
         lower_move(l, at, flag, ir_bool(true));
 }
@@ -67,7 +71,8 @@ static void lower_declaration(struct lowering *l, struct ast_symbol *symbol) {
     struct ir_value *value = compilation_get(l->c, sizeof *value);
     struct ir_value initial = {0};
     if (symbol->initial && !symbol->array_length)
-        initial = lower_expression(l, symbol->initial); /* may read an outer variable of the same name */
+        initial =
+            lower_expression(l, symbol->initial); /* may read an outer variable of the same name */
     *value = lower_variables(l, &symbol->at, symbol->type, symbol->array_length, symbol->name,
                              symbol->storage);
     symbol->value = value;
@@ -77,7 +82,8 @@ static void lower_declaration(struct lowering *l, struct ast_symbol *symbol) {
     for (struct ast_expression *e = symbol->elements; e; e = e->next, element++) {
         struct ir_value one = lower_expression(l, e);
         for (int i = 0; i < value->count; i++) {
-            struct ir_node *store = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &e->at));
+            struct ir_node *store =
+                ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &e->at));
             store->operation = IR_ARRAY_STORE;
             store->array = value->part[i].variable;
             store->operands[0] = ir_float((float)element);

@@ -11,8 +11,8 @@ struct shader_parameter *lower_find_parameter(struct lowering *l, const char *na
     return NULL;
 }
 
-static struct ir_operand load(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                              struct shader_parameter *parameter, int index) {
+static struct ir_operand load(struct lowering *l, const struct source_location *at,
+                              enum ir_operation op, struct shader_parameter *parameter, int index) {
     struct ir_operand none = {0};
     struct ir_operand result = lower_operate(l, at, op, none, none, none);
     l->list->last->parameter = parameter;
@@ -32,8 +32,9 @@ static bool is_material(const struct lowering *l, const char *name) {
     return false;
 }
 
-static struct ir_value load_all(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                                struct shader_parameter *parameter, int count) {
+static struct ir_value load_all(struct lowering *l, const struct source_location *at,
+                                enum ir_operation op, struct shader_parameter *parameter,
+                                int count) {
     struct ir_value value = {.count = count};
     for (int i = 0; i < count; i++)
         value.part[i] = load(l, at, op, parameter, i);
@@ -54,7 +55,8 @@ static struct ir_value bound_global(struct lowering *l, const struct source_loca
 
 static struct ir_value global_value(struct lowering *l, const struct ast_global *global,
                                     const struct source_location *at) {
-    enum global_source source = l->ir->kind == SHADER_KIND_SURFACE ? global->surface : global->light;
+    enum global_source source =
+        l->ir->kind == SHADER_KIND_SURFACE ? global->surface : global->light;
     int count = ast_type_width(global->type);
     struct ir_value zero = lower_constant(0, 3), axis = zero;
     struct ir_operand from = ir_string(SHADER_SPACE_SHADER), to = ir_string(SHADER_SPACE_CURRENT);
@@ -81,8 +83,8 @@ static struct ir_value global_value(struct lowering *l, const struct ast_global 
     }
 }
 
-/* A predefined variable: loaded once at the very start, whatever control flow asks for it first. Only what the
- * shader assigns to needs variables of its own. */
+/* A predefined variable: loaded once at the very start, whatever control flow asks for it first.
+ * Only what the shader assigns to needs variables of its own. */
 static struct ir_value *lower_global(struct lowering *l, struct ast_symbol *symbol,
                                      const struct source_location *at) {
     struct ir_list *list = l->list, *scope = l->scope;
@@ -104,7 +106,8 @@ static struct ir_value *lower_global(struct lowering *l, struct ast_symbol *symb
             l->ir->kind == SHADER_KIND_SURFACE ? symbol->global->surface : symbol->global->light;
         if (source != GLOBAL_RESULT)
             lower_assign(l, at, symbol->value, &value);
-        for (struct ir_variable *v = start->variables, *next; v; v = next) { /* copies made just now */
+        for (struct ir_variable *v = start->variables, *next; v;
+             v = next) { /* copies made just now */
             next = v->next_in_home;
             if (v->home == start) {
                 v->home = top;
@@ -142,7 +145,8 @@ struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
     if (l->ir->kind == SHADER_KIND_SURFACE && symbol->global->surface == GLOBAL_LIGHT) {
         struct ir_value *value = symbol->type == TYPE_COLOR ? &l->light_color : &l->light_direction;
         if (!value->count) {
-            compile_error(l->c, lower_at(l, at), "%s has a value only inside illuminance", symbol->name);
+            compile_error(l->c, lower_at(l, at), "%s has a value only inside illuminance",
+                          symbol->name);
             *value = lower_constant(0, 3);
         }
         return value;
@@ -150,14 +154,14 @@ struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
     return symbol->value ? symbol->value : lower_global(l, symbol, at);
 }
 
-/* if (given) p = bound else p = default. In an instance that binds it, a parameter declared varying is loaded
- * into pixel memory; others are uniform. */
+/* if (given) p = bound else p = default. In an instance that binds it, a parameter declared varying
+ * is loaded into pixel memory; others are uniform. */
 static void lower_bound_parameter(struct lowering *l, struct ast_symbol *symbol,
                                   struct shader_parameter *parameter) {
     int width = ast_type_width(symbol->type), length = symbol->array_length;
     bool is_string = symbol->type == TYPE_STRING;
-    struct ir_value value = lower_variables(l, &symbol->at, symbol->type, length, symbol->name,
-                                            STORAGE_UNIFORM);
+    struct ir_value value =
+        lower_variables(l, &symbol->at, symbol->type, length, symbol->name, STORAGE_UNIFORM);
     struct ir_operand given = load(l, &symbol->at, IR_GIVEN, parameter, 0);
     struct ir_node *node = lower_control(l, NODE_IF, &symbol->at);
     struct ir_list *list = l->list, *scope = l->scope;
@@ -165,7 +169,8 @@ static void lower_bound_parameter(struct lowering *l, struct ast_symbol *symbol,
     node->otherwise = ir_list_new(l->ir, node);
     l->list = l->scope = node->body;
     for (int i = 0; i < (length ? length : 1) * width; i++) {
-        struct ir_operand bound = load(l, &symbol->at, is_string ? IR_BOUND_STRING : IR_BOUND, parameter, i);
+        struct ir_operand bound =
+            load(l, &symbol->at, is_string ? IR_BOUND_STRING : IR_BOUND, parameter, i);
         struct ir_variable *to = value.part[i % width].variable;
         if (!length) {
             lower_move(l, &symbol->at, to, bound);
@@ -202,7 +207,8 @@ static void lower_bound_parameter(struct lowering *l, struct ast_symbol *symbol,
     *symbol->value = value;
     if (!parameter->is_varying || length || is_string)
         return;
-    *symbol->value = lower_variables(l, &symbol->at, symbol->type, 0, symbol->name, STORAGE_VARYING);
+    *symbol->value =
+        lower_variables(l, &symbol->at, symbol->type, 0, symbol->name, STORAGE_VARYING);
     lower_assign(l, &symbol->at, symbol->value, &value);
 }
 
@@ -213,7 +219,8 @@ static void lower_material_parameter(struct lowering *l, struct ast_symbol *symb
         *symbol->value = load_all(l, &symbol->at, IR_MATERIAL, parameter, width);
         if (symbol->is_assigned) {
             struct ir_value loaded = *symbol->value;
-            *symbol->value = lower_variables(l, &symbol->at, symbol->type, 0, symbol->name, STORAGE_VARYING);
+            *symbol->value =
+                lower_variables(l, &symbol->at, symbol->type, 0, symbol->name, STORAGE_VARYING);
             lower_assign(l, &symbol->at, symbol->value, &loaded);
         }
         return;
@@ -231,8 +238,9 @@ static void lower_material_parameter(struct lowering *l, struct ast_symbol *symb
     }
 }
 
-static struct shader_parameter *add_parameter(struct lowering *l, const char *name, enum ast_type type,
-                                              int array_length, const struct source_location *at) {
+static struct shader_parameter *add_parameter(struct lowering *l, const char *name,
+                                              enum ast_type type, int array_length,
+                                              const struct source_location *at) {
     struct shader_program *program = l->c->program;
     struct shader_parameter *parameter = &program->parameters[program->parameter_count++];
     *parameter = (struct shader_parameter){
@@ -254,8 +262,9 @@ static struct shader_parameter *add_parameter(struct lowering *l, const char *na
  * bind_parameters.c drops those the shader does not read. */
 void lower_parameters(struct lowering *l, struct ast_function *shader) {
     struct shader_program *program = l->c->program;
-    program->parameters = arena_get(&program->arena, sizeof *program->parameters *
-                                                         (size_t)(shader->formal_count + global_count));
+    program->parameters =
+        arena_get(&program->arena,
+                  sizeof *program->parameters * (size_t)(shader->formal_count + global_count));
     if (!program->parameters)
         compile_limit(l->c, &shader->at, "the shader needs more memory than the compiler may use");
     for (struct ast_symbol *symbol = shader->formals; symbol; symbol = symbol->next) {
@@ -264,8 +273,10 @@ void lower_parameters(struct lowering *l, struct ast_function *shader) {
         parameter->is_uniform_declared = symbol->storage == STORAGE_UNIFORM;
         parameter->is_material = is_material(l, symbol->name);
         parameter->is_varying = parameter->is_material || symbol->storage == STORAGE_VARYING;
-        if (parameter->is_material && (parameter->is_uniform_declared || symbol->type == TYPE_STRING)) {
-            compile_error(l->c, &symbol->at, "'%.64s' comes with the primitives, but is %s", symbol->name,
+        if (parameter->is_material &&
+            (parameter->is_uniform_declared || symbol->type == TYPE_STRING)) {
+            compile_error(l->c, &symbol->at, "'%.64s' comes with the primitives, but is %s",
+                          symbol->name,
                           symbol->type == TYPE_STRING ? "a string" : "declared uniform");
             parameter->is_material = parameter->is_varying = false;
         }
@@ -276,7 +287,8 @@ void lower_parameters(struct lowering *l, struct ast_function *shader) {
         bool is_hidden = lower_find_parameter(l, globals[i].name) != NULL;
         if (is_hidden)
             continue;
-        struct shader_parameter *parameter = add_parameter(l, globals[i].name, globals[i].type, 0, NULL);
+        struct shader_parameter *parameter =
+            add_parameter(l, globals[i].name, globals[i].type, 0, NULL);
         parameter->is_global = true;
         parameter->is_material =
             globals[i].surface == GLOBAL_MATERIAL || is_material(l, globals[i].name);

@@ -16,20 +16,22 @@ struct ir_variable *lower_temporary(struct lowering *l, enum ir_type type) {
 }
 
 struct ir_operand lower_operate(struct lowering *l, const struct source_location *at,
-                                enum ir_operation operation, struct ir_operand a, struct ir_operand b,
-                                struct ir_operand d) {
+                                enum ir_operation operation, struct ir_operand a,
+                                struct ir_operand b, struct ir_operand d) {
     struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, at));
     char result = ir_operations[operation].types[0];
     node->operation = operation;
     node->operands[0] = a;
     node->operands[1] = b;
     node->operands[2] = d;
-    node->results[0] = lower_temporary(l, result == 'b' ? IR_BOOL : result == 's' ? IR_STRING : IR_FLOAT);
+    node->results[0] = lower_temporary(l, result == 'b'   ? IR_BOOL
+                                          : result == 's' ? IR_STRING
+                                                          : IR_FLOAT);
     return ir_of(node->results[0]);
 }
 
-struct ir_operand lower_unary(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                              struct ir_operand a) {
+struct ir_operand lower_unary(struct lowering *l, const struct source_location *at,
+                              enum ir_operation op, struct ir_operand a) {
     return lower_operate(l, at, op, a, (struct ir_operand){0}, (struct ir_operand){0});
 }
 
@@ -38,8 +40,8 @@ static bool is_number(const struct ir_operand *operand, float number) {
 }
 
 /* Leaves out what cannot change the value: x * 1, x / 1, x - 0, and conditions known beforehand. */
-struct ir_operand lower_binary(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                               struct ir_operand a, struct ir_operand b) {
+struct ir_operand lower_binary(struct lowering *l, const struct source_location *at,
+                               enum ir_operation op, struct ir_operand a, struct ir_operand b) {
     if ((op == IR_MULTIPLY || op == IR_DIVIDE) && is_number(&b, 1))
         return a;
     if (op == IR_MULTIPLY && is_number(&a, 1))
@@ -51,11 +53,12 @@ struct ir_operand lower_binary(struct lowering *l, const struct source_location 
     return lower_operate(l, at, op, a, b, (struct ir_operand){0});
 }
 
-struct ir_operand lower_dot(struct lowering *l, const struct source_location *at, const struct ir_value *a,
-                            const struct ir_value *b) {
+struct ir_operand lower_dot(struct lowering *l, const struct source_location *at,
+                            const struct ir_value *a, const struct ir_value *b) {
     struct ir_operand sum = lower_binary(l, at, IR_MULTIPLY, a->part[0], b->part[0]);
     for (int i = 1; i < 3; i++)
-        sum = lower_binary(l, at, IR_ADD, sum, lower_binary(l, at, IR_MULTIPLY, a->part[i], b->part[i]));
+        sum = lower_binary(l, at, IR_ADD, sum,
+                           lower_binary(l, at, IR_MULTIPLY, a->part[i], b->part[i]));
     return sum;
 }
 
@@ -64,12 +67,13 @@ struct ir_operand lower_length(struct lowering *l, const struct source_location 
     return lower_unary(l, at, IR_SQRT, lower_dot(l, at, a, a));
 }
 
-struct ir_value lower_each(struct lowering *l, const struct source_location *at, enum ir_operation op,
-                           const struct ir_value *a, const struct ir_value *b) {
+struct ir_value lower_each(struct lowering *l, const struct source_location *at,
+                           enum ir_operation op, const struct ir_value *a,
+                           const struct ir_value *b) {
     struct ir_value value = {.count = a->count > b->count ? a->count : b->count};
     for (int i = 0; i < value.count; i++)
-        value.part[i] = lower_binary(l, at, op, a->part[a->count == 1 ? 0 : i],
-                                     b->part[b->count == 1 ? 0 : i]);
+        value.part[i] =
+            lower_binary(l, at, op, a->part[a->count == 1 ? 0 : i], b->part[b->count == 1 ? 0 : i]);
     return value;
 }
 
@@ -91,7 +95,9 @@ void lower_move(struct lowering *l, const struct source_location *at, struct ir_
     if (from.kind == OPERAND_VARIABLE && from.variable == to)
         return;
     struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, at));
-    node->operation = to->type == IR_BOOL ? IR_MOVE_BOOL : to->type == IR_STRING ? IR_MOVE_STRING : IR_MOVE;
+    node->operation = to->type == IR_BOOL     ? IR_MOVE_BOOL
+                      : to->type == IR_STRING ? IR_MOVE_STRING
+                                              : IR_MOVE;
     node->operands[0] = from;
     node->results[0] = to;
 }
@@ -101,7 +107,8 @@ void lower_assign(struct lowering *l, const struct source_location *at, const st
     struct ir_value safe = *from;
     for (int i = 1; i < to->count; i++)
         for (int j = 0; j < i; j++)
-            if (safe.part[i].kind == OPERAND_VARIABLE && safe.part[i].variable == to->part[j].variable) {
+            if (safe.part[i].kind == OPERAND_VARIABLE &&
+                safe.part[i].variable == to->part[j].variable) {
                 struct ir_variable *copy = lower_temporary(l, safe.part[i].variable->type);
                 lower_move(l, at, copy, safe.part[i]);
                 safe.part[i] = ir_of(copy);
@@ -110,8 +117,9 @@ void lower_assign(struct lowering *l, const struct source_location *at, const st
         lower_move(l, at, to->part[i].variable, safe.part[from->count == 1 ? 0 : i]);
 }
 
-struct ir_value lower_variables(struct lowering *l, const struct source_location *at, enum ast_type type,
-                                int array_length, const char *name, enum ast_storage storage) {
+struct ir_value lower_variables(struct lowering *l, const struct source_location *at,
+                                enum ast_type type, int array_length, const char *name,
+                                enum ast_storage storage) {
     struct ir_value value = {.count = type == TYPE_VOID ? 0 : ast_type_width(type),
                              .array_length = array_length};
     l->ir->array_floats += array_length > 0 ? array_length * value.count : 0;
@@ -128,13 +136,14 @@ struct ir_value lower_variables(struct lowering *l, const struct source_location
     return value;
 }
 
-struct ir_node *lower_control(struct lowering *l, enum ir_node_kind kind, const struct source_location *at) {
+struct ir_node *lower_control(struct lowering *l, enum ir_node_kind kind,
+                              const struct source_location *at) {
     int depth = 0;
     for (const struct ir_list *list = l->list; list->owner; list = list->owner->list)
         depth++;
     if (depth >= CONTROL_DEPTH_MAX)
-        compile_limit(l->c, lower_at(l, at), "control flow is nested more than %d deep after inlining",
-                      CONTROL_DEPTH_MAX);
+        compile_limit(l->c, lower_at(l, at),
+                      "control flow is nested more than %d deep after inlining", CONTROL_DEPTH_MAX);
     struct ir_node *node = ir_node_new(l->ir, l->list, kind, lower_at(l, at));
     node->body = ir_list_new(l->ir, node);
     return node;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/ir.h"
 
-/* `t = a + b; ...; x = t` becomes `x = a + b` when nothing else uses t and nothing in between looks at x:
- * lowering makes such pairs for every assignment, and each would cost a move of pixel memory. */
+/* `t = a + b; ...; x = t` becomes `x = a + b` when nothing else uses t and nothing in between looks
+ * at x: lowering makes such pairs for every assignment, and each would cost a move of pixel memory.
+ */
 
 enum { LOOK_BACK_MAX = 64 };
 
@@ -38,7 +39,8 @@ static bool touches(struct ir_node *node, struct ir_variable *variable) {
 }
 
 static bool try_merge(struct ir_node *move) {
-    if (move->kind != NODE_INSTRUCTION || (move->operation != IR_MOVE && move->operation != IR_MOVE_BOOL) ||
+    if (move->kind != NODE_INSTRUCTION ||
+        (move->operation != IR_MOVE && move->operation != IR_MOVE_BOOL) ||
         move->operands[0].kind != OPERAND_VARIABLE)
         return false;
     struct ir_variable *from = move->operands[0].variable, *to = move->results[0];
@@ -71,7 +73,8 @@ static void merge_list(struct ir_list *list) {
     struct ir_node *previous = NULL;
     for (struct ir_node *node = list ? list->first : NULL; node; node = node->next) {
         if (try_merge(node)) {
-            previous->next = node->next; /* the definition came before, so there is a previous node */
+            previous->next =
+                node->next; /* the definition came before, so there is a previous node */
             if (list->last == node)
                 list->last = previous;
             continue;

@@ -44,8 +44,9 @@ static struct ast_expression *parse_parenthesis(struct parser *p) {
     if (count == 1)
         return list;
     if (!p->is_panicking && count != 3) {
-        parser_complain(p, &at, count == 16 ? "matrices are not supported yet"
-                                            : "expected one value, or three as (x, y, z)");
+        parser_complain(p, &at,
+                        count == 16 ? "matrices are not supported yet"
+                                    : "expected one value, or three as (x, y, z)");
     }
     struct ast_expression *e = new_expression(p, EXPRESSION_TUPLE, &at);
     e->arguments = list;
@@ -56,8 +57,8 @@ static struct ast_expression *parse_parenthesis(struct parser *p) {
     return e;
 }
 
-/* name | name '[' expression ']' | name arguments; texture("file"[0], ...) is parsed far enough to be named in
- * the message that says it is not supported. */
+/* name | name '[' expression ']' | name arguments; texture("file"[0], ...) is parsed far enough to
+ * be named in the message that says it is not supported. */
 static struct ast_expression *parse_name(struct parser *p) {
     struct ast_expression *e = new_expression(p, EXPRESSION_NAME, &p->token.at);
     e->name = p->token.text;
@@ -133,7 +134,7 @@ static struct ast_expression *parse_unary(struct parser *p) {
     parser_enter(p);
     if (p->token.kind == '-' || p->token.kind == '!' || p->token.kind == '+') {
         e = new_expression(p, EXPRESSION_UNARY, &p->token.at);
-        e->operator= p->token.kind;
+        e->token = p->token.kind;
         parser_advance(p);
         set_child(p, e, &e->left, parse_unary(p));
     } else if (parser_type(p, p->token.kind, &type)) {
@@ -145,7 +146,8 @@ static struct ast_expression *parse_unary(struct parser *p) {
     return e;
 }
 
-/* From the loosest to the tightest: || && == < + ^ * . (section 11 of the RenderMan Interface 3.2) */
+/* From the loosest to the tightest: || && == < + ^ * . (section 11 of the RenderMan Interface 3.2)
+ */
 static int precedence(int kind) {
     switch (kind) {
     case TOKEN_OR:
@@ -180,7 +182,7 @@ static struct ast_expression *parse_binary(struct parser *p, int lowest) {
     int level;
     while ((level = precedence(p->token.kind)) >= lowest && level && !p->is_panicking) {
         struct ast_expression *e = new_expression(p, EXPRESSION_BINARY, &p->token.at);
-        e->operator= p->token.kind;
+        e->token = p->token.kind;
         parser_advance(p);
         set_child(p, e, &e->left, left);
         set_child(p, e, &e->right, parse_binary(p, level + 1));
@@ -208,7 +210,7 @@ static struct ast_expression *parse_conditional(struct parser *p) {
 /* conditional [('=' | '+=' | '-=' | '*=' | '/=') assignment] */
 struct ast_expression *parse_assignment(struct parser *p) {
     static const struct {
-        int token, operator;
+        int token, result;
     } operators[] = {{'=', 0},
                      {TOKEN_ADD_ASSIGN, '+'},
                      {TOKEN_SUBTRACT_ASSIGN, '-'},
@@ -219,7 +221,7 @@ struct ast_expression *parse_assignment(struct parser *p) {
     for (size_t i = 0; i < sizeof operators / sizeof *operators; i++)
         if (p->token.kind == operators[i].token) {
             struct ast_expression *e = new_expression(p, EXPRESSION_ASSIGN, &p->token.at);
-            e->operator= operators[i].operator;
+            e->token = operators[i].result;
             parser_advance(p);
             set_child(p, e, &e->left, left);
             set_child(p, e, &e->right, parse_assignment(p));

@@ -415,8 +415,8 @@ static bool parse_shader_kind(struct parser *p, enum shader_kind *kind) {
 }
 
 /* {[type] name formals body} ('surface' | 'light') name formals body {functions} */
-struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text, size_t length,
-                            bool is_prelude) {
+struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text,
+                            size_t length, bool is_prelude) {
     struct parser parser = {.c = c}, *p = &parser;
     struct ast_unit *unit = compilation_get(c, sizeof *unit);
     struct ast_function **link = &unit->functions;

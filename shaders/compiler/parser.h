@@ -5,8 +5,8 @@
 #include "shaders/compiler/ast.h"
 #include "shaders/compiler/lexer.h"
 
-/* Recursive descent with three tokens of view. After an error the parser is in panic: it reports nothing
- * until parser_recover has found the end of a statement. */
+/* Recursive descent with three tokens of view. After an error the parser is in panic: it reports
+ * nothing until parser_recover has found the end of a statement. */
 struct parser {
     struct compilation *c;
     struct lexer lexer;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/ast.h"
 
-/* Standard functions that are plain RSL. They are inlined like the shader's own, so whatever a shader does not
- * use costs nothing. Each line is one string so that messages can quote it. */
+/* Standard functions that are plain RSL. They are inlined like the shader's own, so whatever a
+ * shader does not use costs nothing. Each line is one string so that messages can quote it. */
 const char prelude_text[] =
     "float smoothstep(float low, high, x) {\n"
     "    float f = clamp((x - low) / (high - low), 0, 1);\n"
@@ -67,7 +67,8 @@ const char prelude_text[] =
     "    float high = max(r, g, b);\n"
     "    float range = high - min(r, g, b);\n"
     "    float safe = range > 0 ? range : 1;\n"
-    "    float h = r >= high ? (g - b) / safe : (g >= high ? 2 + (b - r) / safe : 4 + (r - g) / safe);\n"
+    "    float h = r >= high ? (g - b) / safe : (g >= high ? 2 + (b - r) / safe : 4 + (r - g) / "
+    "safe);\n"
     "    return range > 0 ? mod(h / 6, 1) : 0;\n"
     "}\n"
     "color rgb_to_hsv(color c) {\n"

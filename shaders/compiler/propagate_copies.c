@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/ir.h"
 
-/* A variable that is only ever a copy of something that does not change is replaced by that something:
- * `normal n = N;` costs no pixel memory and no moves. */
+/* A variable that is only ever a copy of something that does not change is replaced by that
+ * something: `normal n = N;` costs no pixel memory and no moves. */
 
 static void count_write(struct ir_variable *variable, void *context) {
     variable->definition_count++;
@@ -15,7 +15,8 @@ static void number_node(struct ir_node *node, void *context) {
     ir_each_write(node, count_write, node);
 }
 
-/* Whether the variable has one value from its definition to the end of the list that declares it. */
+/* Whether the variable has one value from its definition to the end of the list that declares it.
+ */
 static bool is_settled(const struct ir_variable *variable) {
     return variable->definition_count == 1 && !variable->array_length &&
            variable->definition->list == variable->home;

@@ -36,23 +36,27 @@ static void finish_program(struct compilation *c, const struct ir_program *ir) {
     program->spaces = ir->spaces;
     program->c_source = arena_copy_string(&program->arena, c->output, c->output_length);
     program->c_length = c->output_length;
-    program->warnings = arena_get(&program->arena, (size_t)c->warning_count * sizeof *program->warnings);
+    program->warnings =
+        arena_get(&program->arena, (size_t)c->warning_count * sizeof *program->warnings);
     program->warning_count = c->warning_count;
     if (!program->c_source || !program->warnings)
         compile_limit(c, NULL, "the shader needs more memory than the compiler may use");
     if (c->warning_count)
-        memcpy(program->warnings, c->warnings, (size_t)c->warning_count * sizeof *program->warnings);
+        memcpy(program->warnings, c->warnings,
+               (size_t)c->warning_count * sizeof *program->warnings);
 }
 
 /* The pipeline. */
 static void run_passes(struct compilation *c, const char *file, const char *text, size_t length) {
-    struct ast_unit *prelude = parse_unit(c, "(standard functions)", prelude_text, strlen(prelude_text), true);
+    struct ast_unit *prelude =
+        parse_unit(c, "(standard functions)", prelude_text, strlen(prelude_text), true);
     struct ast_unit *unit = parse_unit(c, file, text, length, false);
     if (!unit->shader)
         compilation_stop(c);
     struct ast_symbol **symbols = check_unit(c, unit, prelude);
     stop_on_errors(c);
-    c->program->name = arena_copy_string(&c->program->arena, unit->shader->name, strlen(unit->shader->name));
+    c->program->name =
+        arena_copy_string(&c->program->arena, unit->shader->name, strlen(unit->shader->name));
     struct ir_program *ir = lower_unit(c, unit, prelude, symbols);
     stop_on_errors(c);
     ir_validate(ir, "lowering", false);
@@ -85,8 +89,8 @@ bool shader_compile(const char *file, const char *text, size_t length,
                     struct status *status) {
     *program = NULL;
     if (length > SOURCE_BYTES_MAX)
-        return status_fail(status, STATUS_LIMIT, "%.200s: error: a shader is at most %d bytes long", file,
-                           SOURCE_BYTES_MAX);
+        return status_fail(status, STATUS_LIMIT, "%.200s: error: a shader is at most %d bytes long",
+                           file, SOURCE_BYTES_MAX);
     struct compilation *c = memory_get(1, sizeof *c);
     arena_init(&c->arena, WORK_BYTES_MAX);
     c->options = options;

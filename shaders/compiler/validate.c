@@ -3,8 +3,8 @@
 
 #include <stdio.h>
 
-/* The rules of ir.h, checked after every pass: cheap next to compiling the C, and a broken rule is named here
- * and not found as a wrong pixel. */
+/* The rules of ir.h, checked after every pass: cheap next to compiling the C, and a broken rule is
+ * named here and not found as a wrong pixel. */
 
 struct validation {
     struct ir_program *ir;
@@ -15,18 +15,21 @@ struct validation {
 static _Noreturn void broken(struct validation *v, const struct ir_node *node, const char *rule) {
     v->ir->c->code = STATUS_INTERNAL;
     compile_limit(v->ir->c, node->at, "internal error after %s, in %s: %s", v->after,
-                  node->kind == NODE_INSTRUCTION ? ir_operations[node->operation].name : "control flow", rule);
+                  node->kind == NODE_INSTRUCTION ? ir_operations[node->operation].name
+                                                 : "control flow",
+                  rule);
 }
 
 static bool is_visible(const struct ir_variable *variable, const struct ir_node *node) {
-    for (const struct ir_list *list = node->list; list; list = list->owner ? list->owner->list : NULL)
+    for (const struct ir_list *list = node->list; list;
+         list = list->owner ? list->owner->list : NULL)
         if (list == variable->home || (list->owner && list->owner->test == variable->home))
             return true;
     return false;
 }
 
-static void check_operand(struct validation *v, struct ir_node *node, const struct ir_operand *operand,
-                          char wanted) {
+static void check_operand(struct validation *v, struct ir_node *node,
+                          const struct ir_operand *operand, char wanted) {
     enum ir_type type = wanted == 'b' ? IR_BOOL : wanted == 's' ? IR_STRING : IR_FLOAT;
     if (operand->kind == OPERAND_NONE)
         broken(v, node, "an operand is missing");
@@ -65,9 +68,11 @@ static void check_instruction(struct validation *v, struct ir_node *node) {
     for (int i = 0; i < 3; i++) {
         if (!node->results[i])
             continue;
-        enum ir_type type = info->types[0] == 'b' ? IR_BOOL : info->types[0] == 's' ? IR_STRING : IR_FLOAT;
-        if (info->types[0] == '0' || (i && info->types[0] != '3') || node->results[i]->type != type ||
-            node->results[i]->array_length)
+        enum ir_type type = info->types[0] == 'b'   ? IR_BOOL
+                            : info->types[0] == 's' ? IR_STRING
+                                                    : IR_FLOAT;
+        if (info->types[0] == '0' || (i && info->types[0] != '3') ||
+            node->results[i]->type != type || node->results[i]->array_length)
             broken(v, node, "a result has the wrong type");
         check_result(v, node, node->results[i]);
     }
@@ -79,7 +84,8 @@ static void check_node(struct ir_node *node, void *context) {
         check_instruction(v, node);
         return;
     }
-    if (!node->body || node->body->owner != node || (node->otherwise && node->otherwise->owner != node))
+    if (!node->body || node->body->owner != node ||
+        (node->otherwise && node->otherwise->owner != node))
         broken(v, node, "a list does not know its owner");
     if (node->kind == NODE_LOOP && (!node->test || node->test->owner != node))
         broken(v, node, "a loop has no test");

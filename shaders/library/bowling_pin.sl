@@ -1,35 +1,61 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * bowling_pin: white lacquer with two red stripes around the neck, scuffs where the ball hits, and a soft shine.
- * The pin stands along t, from 0 at the foot to 1 at the head.
+ * bowling_pin: white lacquer with two red stripes around the neck and scuffs where the ball hits. The lacquer mirrors
+ * a bright window and, dimly, the room.
  *
+ * The pin stands upright on the plane y = 0 of shader space. Height and scuffs come from the position there, which
+ * the machine rebuilds from depth: of all that is interpolated only the normal travels. All pins that stand on
+ * one floor can share one instance of the shader, and yet no two are scuffed alike.
+ *
+ * height                 of the pin
  * pincolor, stripecolor
- * stripe1, stripe2  middle of the stripes, in t
- * stripewidth       of each
- * edge              over which width an edge is softened
- * scuffs            how scuffed the belly is
- * scuffcolor
- * Ka, Kd, Ks, roughness  reflection
+ * stripe1, stripe2       middle of the stripes, from 0 at the foot to 1 at the head
+ * stripewidth            of each
+ * edge                   over which width an edge is softened
+ * scuffs, scuffcolor     how scuffed the belly is
+ * Ka, Kd                 how much ambient light and light sources count
+ * mirror                 how much the lacquer mirrors
+ * floorcolor, skycolor   of the room that is mirrored, below and above
+ * windowcolor            of the window
+ * windowx, windowy       where the window is: towards (windowx, windowy, -1) of world space, far away
+ * windowwidth, windowheight  its size, in the same measure
  */
-surface bowling_pin(color pincolor = color (0.93, 0.91, 0.86); color stripecolor = color (0.72, 0.05, 0.06);
-                    float stripe1 = 0.68; float stripe2 = 0.75; float stripewidth = 0.03; float edge = 0.003;
-                    float scuffs = 0.6; color scuffcolor = color (0.28, 0.25, 0.22);
-                    float Ka = 1; float Kd = 0.8; float Ks = 0.5; float roughness = 0.06;) {
+surface bowling_pin(float height = 1;
+                    color pincolor = color (0.88, 0.85, 0.78); color stripecolor = color (0.60, 0.02, 0.03);
+                    float stripe1 = 0.625; float stripe2 = 0.72; float stripewidth = 0.04; float edge = 0.002;
+                    float scuffs = 0.5; color scuffcolor = color (0.22, 0.19, 0.17);
+                    float Ka = 1; float Kd = 0.8; float mirror = 0.9;
+                    color floorcolor = color (0.30, 0.18, 0.09); color skycolor = color (0.20, 0.22, 0.26);
+                    color windowcolor = color (4, 3.6, 3); float windowx = 0.25; float windowy = 0.75;
+                    float windowwidth = 0.5; float windowheight = 0.7;) {
+    point Q = transform("shader", P) / height;
+    float up = ycomp(Q);
     float half = stripewidth / 2;
-    float d1 = abs(t - stripe1);
-    float d2 = abs(t - stripe2);
-    float stripe = 1 - smoothstep(half - edge, half + edge, min(d1, d2));
+    float stripe = 1 - smoothstep(half - edge, half + edge, min(abs(up - stripe1), abs(up - stripe2)));
     color base = mix(pincolor, stripecolor, stripe);
 
-    /* long scratches around the belly, and rubbed patches */
-    float belly = smoothstep(0.1, 0.25, t) * (1 - smoothstep(0.4, 0.6, t));
-    float patch = smoothstep(0.55, 0.75, noise(s * 6, t * 5));
-    float scratch = smoothstep(0.62, 0.7, noise(s * 10, t * 160)) * smoothstep(0.5, 0.6, noise(s * 9 + 20, t * 9));
-    float worn = scuffs * belly * clamp(0.5 * patch * noise(s * 80, t * 80) + scratch, 0, 1);
+    /* rubbed patches around the belly, broken up by fine scratches that run around the pin */
+    float belly = smoothstep(0.05, 0.2, up) * (1 - smoothstep(0.38, 0.5, up));
+    float patch = smoothstep(0.5, 0.68, noise(Q * 7));
+    float scratch = smoothstep(0.45, 0.75, noise(point (xcomp(Q) * 14, up * 90, zcomp(Q) * 14)));
+    float worn = scuffs * belly * patch * scratch;
     base = mix(base, scuffcolor, worn);
 
     normal Nf = faceforward(normalize(N), I);
     vector V = -normalize(I);
-    Ci = base * (Ka * ambient() + Kd * diffuse(Nf)) + Ks * (1 - 0.8 * worn) * specular(Nf, V, roughness);
+    color body = base * (Ka * ambient() + Kd * diffuse(Nf));
+
+    /* what the lacquer mirrors: Schlick's approximation, and a window with four panes in a two-coloured room */
+    vector R = vtransform("world", 2 * (Nf . V) * Nf - V);
+    float grazing = 1 - clamp(Nf . V, 0, 1);
+    float squared = grazing * grazing;
+    float share = mirror * (1 - worn) * (0.05 + 0.95 * squared * squared * grazing);
+    float back = max(-zcomp(R), 0.01);
+    float wx = abs(xcomp(R) / back - windowx) / windowwidth;
+    float wy = abs(ycomp(R) / back - windowy) / windowheight;
+    float pane = (1 - smoothstep(0.46, 0.54, wx)) * (1 - smoothstep(0.46, 0.54, wy)) *
+                 smoothstep(0.02, 0.07, wx) * smoothstep(0.01, 0.05, wy);
+    color room = mix(floorcolor, skycolor, smoothstep(-0.25, 0.25, ycomp(R)));
+    Ci = body * (1 - share) + share * mix(room, windowcolor, pane);
     Oi = 1;
 }

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Reads any bytes as RIB and touches all that comes out. With -DFUZZ_REPLAY it has a main that replays the files
- * named on its command line, so that the corpus runs without a fuzzer. */
+/* Reads any bytes as RIB and touches all that comes out. With -DFUZZ_REPLAY it has a main that
+ * replays the files named on its command line, so that the corpus runs without a fuzzer. */
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

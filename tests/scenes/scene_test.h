@@ -91,7 +91,8 @@ static inline void expect_error_part(const char *text, const struct scene_option
     reading_close(&reading);
 }
 
-static inline const struct scene_variable *find_variable(const struct scene_mesh *mesh, const char *name) {
+static inline const struct scene_variable *find_variable(const struct scene_mesh *mesh,
+                                                         const char *name) {
     for (int i = 0; i < mesh->variable_count; i++)
         if (strcmp(mesh->variables[i].name, name) == 0)
             return &mesh->variables[i];
@@ -103,7 +104,8 @@ static inline struct vec3 vec3_from(const float *values, size_t index) {
     return vec3_make(values[3 * index], values[3 * index + 1], values[3 * index + 2]);
 }
 
-static inline struct vec3 variable_vec3(const struct scene_mesh *mesh, const char *name, size_t index) {
+static inline struct vec3 variable_vec3(const struct scene_mesh *mesh, const char *name,
+                                        size_t index) {
     return vec3_from(find_variable(mesh, name)->values, index);
 }
 
@@ -130,8 +132,8 @@ static inline double mesh_area(const struct scene_mesh *mesh) {
     return area;
 }
 
-/* What every mesh must hold: indices in range, all numbers finite, N and Ng of unit length, triangles that go
- * round Ng. */
+/* What every mesh must hold: indices in range, all numbers finite, N and Ng of unit length,
+ * triangles that go round Ng. */
 static inline void check_mesh(const struct scene_mesh *mesh) {
     assert_true(mesh->triangle_count > 0);
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++)
@@ -158,6 +160,7 @@ static inline void check_winding(const struct scene_mesh *mesh) {
     }
 }
 
-#define IN_VIEW(text) "Projection \"perspective\" \"fov\" 60\nTranslate 0 0 8\nWorldBegin\n" text "\nWorldEnd\n"
+#define IN_VIEW(text)                                                                              \
+    "Projection \"perspective\" \"fov\" 60\nTranslate 0 0 8\nWorldBegin\n" text "\nWorldEnd\n"
 
 #endif

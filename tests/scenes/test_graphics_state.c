@@ -5,9 +5,10 @@
 
 static void transforms_apply_the_last_one_first(void **state) {
     struct reading reading;
-    struct scene_frame *frame =
-        read_frame(&reading, IN_VIEW("Translate 1 2 3 Rotate 90 0 0 1 Scale 2 3 4 Sphere 1 -1 1 360"), NULL);
-    /* (1,0,0) -> scaled (2,0,0) -> turned from x to y (0,2,0) -> moved (1,4,3) -> camera (1,4,11). */
+    struct scene_frame *frame = read_frame(
+        &reading, IN_VIEW("Translate 1 2 3 Rotate 90 0 0 1 Scale 2 3 4 Sphere 1 -1 1 360"), NULL);
+    /* (1,0,0) -> scaled (2,0,0) -> turned from x to y (0,2,0) -> moved (1,4,3) -> camera (1,4,11).
+     */
     struct vec3 p = mat4_point(&frame->meshes[0].object_to_camera, vec3_make(1, 0, 0));
     assert_true(fabs(p.x - 1) < 1e-12 && fabs(p.y - 4) < 1e-12 && fabs(p.z - 11) < 1e-12);
     frame_close(&reading, frame);
@@ -37,12 +38,13 @@ static void transform_requests_match_their_matrices(void **state) {
 
 static void attributes_end_with_their_block(void **state) {
     struct reading reading;
-    struct scene_frame *frame = read_frame(&reading,
-                                           IN_VIEW("Color 1 0 0 Surface \"a\"\nAttributeBegin\n"
-                                                   "Color 0 1 0 Opacity .5 .5 .5 Sides 1 Surface \"b\"\n"
-                                                   "Translate 1 0 0 Sphere 1 -1 1 360 AttributeEnd\n"
-                                                   "Sphere 1 -1 1 360"),
-                                           NULL);
+    struct scene_frame *frame =
+        read_frame(&reading,
+                   IN_VIEW("Color 1 0 0 Surface \"a\"\nAttributeBegin\n"
+                           "Color 0 1 0 Opacity .5 .5 .5 Sides 1 Surface \"b\"\n"
+                           "Translate 1 0 0 Sphere 1 -1 1 360 AttributeEnd\n"
+                           "Sphere 1 -1 1 360"),
+                   NULL);
     const struct scene_mesh *inner = &frame->meshes[0], *outer = &frame->meshes[1];
     assert_true(inner->color[1] == 1 && inner->opacity[0] == .5f && !inner->is_two_sided);
     assert_string_equal(inner->surface->name, "b");
@@ -60,14 +62,14 @@ static void check_lights(const struct scene_mesh *mesh, const char *names) {
 
 static void lights_are_on_in_their_scope_in_order_of_definition(void **state) {
     struct reading reading;
-    struct scene_frame *frame =
-        read_frame(&reading,
-                   "LightSource \"a\" 1\n" IN_VIEW("LightSource \"b\" 2 Illuminate 1 0 Sphere 1 -1 1 360\n"
-                                                   "AttributeBegin LightSource \"c\" \"two\"\n"
-                                                   "Illuminate 1 1 Sphere 1 -1 1 360 AttributeEnd\n"
-                                                   "Sphere 1 -1 1 360\n"
-                                                   "Illuminate \"two\" 1 Illuminate 2 0 Sphere 1 -1 1 360"),
-                   NULL);
+    struct scene_frame *frame = read_frame(
+        &reading,
+        "LightSource \"a\" 1\n" IN_VIEW("LightSource \"b\" 2 Illuminate 1 0 Sphere 1 -1 1 360\n"
+                                        "AttributeBegin LightSource \"c\" \"two\"\n"
+                                        "Illuminate 1 1 Sphere 1 -1 1 360 AttributeEnd\n"
+                                        "Sphere 1 -1 1 360\n"
+                                        "Illuminate \"two\" 1 Illuminate 2 0 Sphere 1 -1 1 360"),
+        NULL);
     check_lights(&frame->meshes[0], "b");
     check_lights(&frame->meshes[1], "abc");
     check_lights(&frame->meshes[2], "b");
@@ -75,17 +77,19 @@ static void lights_are_on_in_their_scope_in_order_of_definition(void **state) {
     assert_int_equal(frame->light_count, 3);
     assert_ptr_equal(frame->meshes[3].lights[0], frame->lights[2]);
     frame_close(&reading, frame);
-    expect_error_part("WorldBegin Illuminate 3 1", NULL, "test.rib:1:23: error: Illuminate: there is no light");
+    expect_error_part("WorldBegin Illuminate 3 1", NULL,
+                      "test.rib:1:23: error: Illuminate: there is no light");
 }
 
 static void lights_of_a_world_end_with_it_and_others_stay(void **state) {
     struct reading reading;
-    reading_open(&reading,
-                 "Translate 0 0 8 LightSource \"a\" 1\nFrameBegin 3 LightSource \"b\" 1 WorldBegin\n"
-                 "LightSource \"c\" 1 Sphere 1 -1 1 360 WorldEnd FrameEnd\n"
-                 "FrameBegin 4 WorldBegin Sphere 1 -1 1 360 Illuminate 1 0 Sphere 1 -1 1 360 "
-                 "WorldEnd FrameEnd",
-                 NULL);
+    reading_open(
+        &reading,
+        "Translate 0 0 8 LightSource \"a\" 1\nFrameBegin 3 LightSource \"b\" 1 WorldBegin\n"
+        "LightSource \"c\" 1 Sphere 1 -1 1 360 WorldEnd FrameEnd\n"
+        "FrameBegin 4 WorldBegin Sphere 1 -1 1 360 Illuminate 1 0 Sphere 1 -1 1 360 "
+        "WorldEnd FrameEnd",
+        NULL);
     struct scene_frame *frame = reading_next(&reading);
     assert_int_equal(frame->number, 3);
     check_lights(&frame->meshes[0], "abc");
@@ -102,11 +106,11 @@ static void lights_of_a_world_end_with_it_and_others_stay(void **state) {
 
 static void shaders_keep_the_space_they_were_given_in(void **state) {
     struct reading reading;
-    struct scene_frame *frame =
-        read_frame(&reading,
-                   "Translate 0 0 3 LightSource \"a\" 1 Translate 0 0 5\nWorldBegin Translate 2 0 0 "
-                   "LightSource \"b\" 2 WorldEnd",
-                   NULL);
+    struct scene_frame *frame = read_frame(
+        &reading,
+        "Translate 0 0 3 LightSource \"a\" 1 Translate 0 0 5\nWorldBegin Translate 2 0 0 "
+        "LightSource \"b\" 2 WorldEnd",
+        NULL);
     assert_true(frame->lights[0]->shader_to_camera.m[3][2] == 3);
     assert_true(frame->lights[1]->shader_to_camera.m[3][0] == 2);
     assert_true(frame->lights[1]->shader_to_camera.m[3][2] == 8);
@@ -115,11 +119,12 @@ static void shaders_keep_the_space_they_were_given_in(void **state) {
 
 static void frames_are_pulled_one_by_one(void **state) {
     struct reading reading;
-    reading_open(&reading,
-                 "Format 8 4 1\nFrameBegin 1 Format 10 10 1 Display \"one.exr\" \"file\" \"rgb\"\n"
-                 "Color 1 0 0 WorldBegin WorldEnd FrameEnd\nFrameBegin 2 Translate 0 0 5 WorldBegin\n"
-                 "Sphere 1 -1 1 360 WorldEnd FrameEnd\nColor oops",
-                 NULL);
+    reading_open(
+        &reading,
+        "Format 8 4 1\nFrameBegin 1 Format 10 10 1 Display \"one.exr\" \"file\" \"rgb\"\n"
+        "Color 1 0 0 WorldBegin WorldEnd FrameEnd\nFrameBegin 2 Translate 0 0 5 WorldBegin\n"
+        "Sphere 1 -1 1 360 WorldEnd FrameEnd\nColor oops",
+        NULL);
     struct scene_frame *first = reading_next(&reading), *second = reading_next(&reading), *third;
     assert_int_equal(first->number, 1);
     assert_int_equal(first->camera.width, 10);
@@ -176,16 +181,19 @@ static void options_override_format_and_samples(void **state) {
 }
 
 static void instances_equal_what_is_written_out(void **state) {
-    static const char *const objects = "ObjectBegin 7 Scale 2 1 1 Torus 1 .3 0 360 360\n"
-                                       "Polygon \"P\" [0 0 0 0 1 0 1 0 0] \"uniform float w\" 3 ObjectEnd\n";
-    static const char *const written = "TransformBegin Scale 2 1 1 Torus 1 .3 0 360 360\n"
-                                       "Polygon \"P\" [0 0 0 0 1 0 1 0 0] \"uniform float w\" 3 TransformEnd\n";
+    static const char *const objects =
+        "ObjectBegin 7 Scale 2 1 1 Torus 1 .3 0 360 360\n"
+        "Polygon \"P\" [0 0 0 0 1 0 1 0 0] \"uniform float w\" 3 ObjectEnd\n";
+    static const char *const written =
+        "TransformBegin Scale 2 1 1 Torus 1 .3 0 360 360\n"
+        "Polygon \"P\" [0 0 0 0 1 0 1 0 0] \"uniform float w\" 3 TransformEnd\n";
     char texts[2][1024];
     struct scene_frame *frames[2];
     struct reading readings[2];
     const char *format = IN_VIEW("Color 0 0 1 Surface \"x\" Translate 1 0 1 %s Rotate 30 1 1 0 %s");
     strcpy(texts[0], objects);
-    snprintf(texts[0] + strlen(objects), 512, format, "ObjectInstance 7", "Color 1 0 0 ObjectInstance 7");
+    snprintf(texts[0] + strlen(objects), 512, format, "ObjectInstance 7",
+             "Color 1 0 0 ObjectInstance 7");
     char coloured[512];
     snprintf(coloured, sizeof coloured, "Color 1 0 0 %s", written);
     snprintf(texts[1], sizeof texts[1], format, written, coloured);
@@ -213,7 +221,8 @@ static void motion_blocks_use_their_first_sample(void **state) {
     struct reading reading;
     struct scene_frame *frame = read_frame(
         &reading,
-        IN_VIEW("MotionBegin [0 1] Translate 1 0 0 Translate 5 0 0 MotionEnd Sphere 1 -1 1 360"), NULL);
+        IN_VIEW("MotionBegin [0 1] Translate 1 0 0 Translate 5 0 0 MotionEnd Sphere 1 -1 1 360"),
+        NULL);
     assert_true(frame->meshes[0].object_to_camera.m[3][0] == 1);
     assert_non_null(strstr(reading.warnings, "the first sample"));
     frame_close(&reading, frame);

@@ -16,12 +16,13 @@ static void write_net(char *text, int nu, int nv) {
         }
 }
 
-static struct scene_frame *read_mesh(struct reading *reading, const char *before, const char *type, int nu,
-                                     const char *uwrap, int nv, const char *vwrap, const char *after) {
+static struct scene_frame *read_mesh(struct reading *reading, const char *before, const char *type,
+                                     int nu, const char *uwrap, int nv, const char *vwrap,
+                                     const char *after) {
     static char text[65536], net[32768];
     write_net(net, nu, nv);
-    snprintf(text, sizeof text, IN_VIEW("%s PatchMesh \"%s\" %d \"%s\" %d \"%s\" \"P\" [%s] %s"), before, type,
-             nu, uwrap, nv, vwrap, net, after);
+    snprintf(text, sizeof text, IN_VIEW("%s PatchMesh \"%s\" %d \"%s\" %d \"%s\" \"P\" [%s] %s"),
+             before, type, nu, uwrap, nv, vwrap, net, after);
     return read_frame(reading, text, NULL);
 }
 
@@ -29,7 +30,8 @@ static struct scene_frame *read_mesh(struct reading *reading, const char *before
 static bool has_vertex(const struct scene_mesh *mesh, struct vec3 p, double u, double v) {
     p.z += 8;
     for (size_t i = 0; i < mesh->vertex_count; i++)
-        if (fabs(variable_float(mesh, "u", i) - u) < 1e-6 && fabs(variable_float(mesh, "v", i) - v) < 1e-6 &&
+        if (fabs(variable_float(mesh, "u", i) - u) < 1e-6 &&
+            fabs(variable_float(mesh, "v", i) - v) < 1e-6 &&
             length3(vec3_subtract(vec3_from(mesh->positions, i), p)) < 1e-5)
             return true;
     return false;
@@ -37,7 +39,8 @@ static bool has_vertex(const struct scene_mesh *mesh, struct vec3 p, double u, d
 
 static void bezier_meshes_interpolate_their_corners(void **state) {
     struct reading reading;
-    struct scene_frame *frame = read_mesh(&reading, "", "bicubic", 7, "nonperiodic", 4, "nonperiodic", "");
+    struct scene_frame *frame =
+        read_mesh(&reading, "", "bicubic", 7, "nonperiodic", 4, "nonperiodic", "");
     const struct scene_mesh *mesh = &frame->meshes[0];
     check_mesh(mesh);
     check_winding(mesh);
@@ -57,8 +60,8 @@ static double spline_blend(int i, int degree, double t) {
 
 static void b_splines_agree_with_the_recursion(void **state) {
     struct reading reading;
-    struct scene_frame *frame = read_mesh(&reading, "Basis \"b-spline\" 1 \"b-spline\" 1", "bicubic", 6,
-                                          "nonperiodic", 5, "nonperiodic", "");
+    struct scene_frame *frame = read_mesh(&reading, "Basis \"b-spline\" 1 \"b-spline\" 1",
+                                          "bicubic", 6, "nonperiodic", 5, "nonperiodic", "");
     const struct scene_mesh *mesh = &frame->meshes[0];
     check_mesh(mesh);
     check_winding(mesh);
@@ -68,7 +71,8 @@ static void b_splines_agree_with_the_recursion(void **state) {
         struct vec3 sum = {0, 0, 8};
         for (int j = 0; j < 5; j++)
             for (int i = 0; i < 6; i++)
-                sum = vec3_add(sum, vec3_scale(net_point(i, j), spline_blend(i, 3, x) * spline_blend(j, 3, y)));
+                sum = vec3_add(sum, vec3_scale(net_point(i, j),
+                                               spline_blend(i, 3, x) * spline_blend(j, 3, y)));
         assert_true(length3(vec3_subtract(vec3_from(mesh->positions, k), sum)) < 2e-5);
     }
     frame_close(&reading, frame);
@@ -76,8 +80,8 @@ static void b_splines_agree_with_the_recursion(void **state) {
 
 static void catmull_rom_meshes_interpolate_inner_points(void **state) {
     struct reading reading;
-    struct scene_frame *frame = read_mesh(&reading, "Basis \"catmull-rom\" 1 \"catmull-rom\" 1", "bicubic", 5,
-                                          "nonperiodic", 5, "nonperiodic", "");
+    struct scene_frame *frame = read_mesh(&reading, "Basis \"catmull-rom\" 1 \"catmull-rom\" 1",
+                                          "bicubic", 5, "nonperiodic", 5, "nonperiodic", "");
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             assert_true(has_vertex(&frame->meshes[0], net_point(i + 1, j + 1), i / 2., j / 2.));
@@ -86,35 +90,39 @@ static void catmull_rom_meshes_interpolate_inner_points(void **state) {
 
 static void periodic_meshes_close(void **state) {
     struct reading reading;
-    struct scene_frame *frame = read_frame(
-        &reading,
-        IN_VIEW("PatchMesh \"bilinear\" 4 \"periodic\" 2 \"nonperiodic\" \"P\" [1 0 0 0 1 0 -1 0 0 0 -1 0"
-                " 1 0 1 0 1 1 -1 0 1 0 -1 1] \"varying float a\" [0 1 2 3 4 5 6 7]"),
-        NULL);
+    struct scene_frame *frame =
+        read_frame(&reading,
+                   IN_VIEW("PatchMesh \"bilinear\" 4 \"periodic\" 2 \"nonperiodic\" \"P\" [1 0 0 0 "
+                           "1 0 -1 0 0 0 -1 0"
+                           " 1 0 1 0 1 1 -1 0 1 0 -1 1] \"varying float a\" [0 1 2 3 4 5 6 7]"),
+                   NULL);
     assert_true(fabs(mesh_area(&frame->meshes[0]) - 4 * M_SQRT2) < 1e-5);
     check_mesh(&frame->meshes[0]);
     frame_close(&reading, frame);
-    frame = read_mesh(&reading, "Basis \"b-spline\" 1 \"b-spline\" 1", "bicubic", 5, "periodic", 6, "periodic", "");
+    frame = read_mesh(&reading, "Basis \"b-spline\" 1 \"b-spline\" 1", "bicubic", 5, "periodic", 6,
+                      "periodic", "");
     const struct scene_mesh *mesh = &frame->meshes[0];
     size_t row = 0;
     while (variable_float(mesh, "u", row) < 1)
         row++;
     for (size_t i = 0; i + row < mesh->vertex_count; i += row + 1)
-        assert_true(length3(vec3_subtract(vec3_from(mesh->positions, i), vec3_from(mesh->positions, i + row))) <
-                    1e-6);
+        assert_true(length3(vec3_subtract(vec3_from(mesh->positions, i),
+                                          vec3_from(mesh->positions, i + row))) < 1e-6);
     frame_close(&reading, frame);
 }
 
 static void bilinear_patches_take_their_corners_in_order(void **state) {
     struct reading reading;
-    struct scene_frame *frame = read_frame(&reading,
-                                           IN_VIEW("Patch \"bilinear\" \"P\" [0 0 0 2 0 0 0 1 0 2 1 0]"
-                                                   " \"varying float a\" [0 1 2 3]"),
-                                           NULL);
+    struct scene_frame *frame =
+        read_frame(&reading,
+                   IN_VIEW("Patch \"bilinear\" \"P\" [0 0 0 2 0 0 0 1 0 2 1 0]"
+                           " \"varying float a\" [0 1 2 3]"),
+                   NULL);
     const struct scene_mesh *mesh = &frame->meshes[0];
     assert_int_equal(mesh->triangle_count, 2);
     check_winding(mesh);
-    assert_true(has_vertex(mesh, vec3_make(2, 0, 0), 1, 0) && has_vertex(mesh, vec3_make(0, 1, 0), 0, 1));
+    assert_true(has_vertex(mesh, vec3_make(2, 0, 0), 1, 0) &&
+                has_vertex(mesh, vec3_make(0, 1, 0), 0, 1));
     assert_true(variable_vec3(mesh, "N", 0).z == 1);
     assert_true(variable_vec3(mesh, "dPdu", 3).x == 2 && variable_vec3(mesh, "dPdv", 0).y == 1);
     assert_true(variable_float(mesh, "a", 3) == 3);
@@ -132,11 +140,12 @@ static void twisted_bilinear_patches_are_diced(void **state) {
 
 static void collapsed_edges_have_normals(void **state) {
     struct reading reading;
-    struct scene_frame *frame = read_frame(&reading,
-                                           IN_VIEW("Patch \"bicubic\" \"P\" [0 0 0 0 0 0 0 0 0 0 0 0"
-                                                   " 0 1 0 .3 1 0 .6 1 0 1 1 0  0 2 0 .6 2 0 1.3 2 0 2 2 0"
-                                                   " 0 3 0 1 3 0 2 3 0 3 3 0]"),
-                                           NULL);
+    struct scene_frame *frame =
+        read_frame(&reading,
+                   IN_VIEW("Patch \"bicubic\" \"P\" [0 0 0 0 0 0 0 0 0 0 0 0"
+                           " 0 1 0 .3 1 0 .6 1 0 1 1 0  0 2 0 .6 2 0 1.3 2 0 2 2 0"
+                           " 0 3 0 1 3 0 2 3 0 3 3 0]"),
+                   NULL);
     const struct scene_mesh *mesh = &frame->meshes[0];
     check_mesh(mesh);
     for (size_t i = 0; i < mesh->vertex_count; i++)
@@ -146,8 +155,8 @@ static void collapsed_edges_have_normals(void **state) {
 
 static void values_of_faces_jump_and_vertex_values_follow_p(void **state) {
     struct reading reading;
-    struct scene_frame *frame =
-        read_mesh(&reading, "", "bicubic", 7, "nonperiodic", 4, "nonperiodic", "\"uniform float a\" [3 5]");
+    struct scene_frame *frame = read_mesh(&reading, "", "bicubic", 7, "nonperiodic", 4,
+                                          "nonperiodic", "\"uniform float a\" [3 5]");
     const struct scene_mesh *mesh = &frame->meshes[0];
     check_mesh(mesh);
     for (size_t i = 0; i < mesh->triangle_count; i++) {
@@ -166,18 +175,23 @@ static void values_of_faces_jump_and_vertex_values_follow_p(void **state) {
     strcat(xs, "]");
     frame = read_mesh(&reading, "", "bicubic", 7, "nonperiodic", 4, "nonperiodic", xs);
     for (size_t i = 0; i < frame->meshes[0].vertex_count; i++)
-        assert_true(fabs(variable_float(&frame->meshes[0], "a", i) + 8 - frame->meshes[0].positions[3 * i + 2]) <
-                    2e-6);
+        assert_true(fabs(variable_float(&frame->meshes[0], "a", i) + 8 -
+                         frame->meshes[0].positions[3 * i + 2]) < 2e-6);
     frame_close(&reading, frame);
 }
 
 static void wrong_counts_are_errors(void **state) {
-    expect_error_part("WorldBegin PatchMesh \"bicubic\" 5 \"nonperiodic\"", NULL,
-                      "test.rib:1:32: error: PatchMesh: 5 points in u: 4 and a multiple of 3 more expected");
-    expect_error_part("WorldBegin PatchMesh \"bicubic\" 4 \"periodic\"", NULL, "a multiple of 3 expected");
-    expect_error_part("WorldBegin Patch \"bilinear\" \"P\" [0 0 0]", NULL, "\"P\" takes 4 points, not 1");
-    expect_error_part("WorldBegin Patch \"bilinear\" \"Pw\" [0 0 0 1]", NULL, "\"Pw\" is not supported; give \"P\"");
-    expect_error_part("WorldBegin PatchMesh \"bilinear\" 16777216 \"periodic\" 16777216 \"periodic\" \"P\" [0 0 0]",
+    expect_error_part(
+        "WorldBegin PatchMesh \"bicubic\" 5 \"nonperiodic\"", NULL,
+        "test.rib:1:32: error: PatchMesh: 5 points in u: 4 and a multiple of 3 more expected");
+    expect_error_part("WorldBegin PatchMesh \"bicubic\" 4 \"periodic\"", NULL,
+                      "a multiple of 3 expected");
+    expect_error_part("WorldBegin Patch \"bilinear\" \"P\" [0 0 0]", NULL,
+                      "\"P\" takes 4 points, not 1");
+    expect_error_part("WorldBegin Patch \"bilinear\" \"Pw\" [0 0 0 1]", NULL,
+                      "\"Pw\" is not supported; give \"P\"");
+    expect_error_part("WorldBegin PatchMesh \"bilinear\" 16777216 \"periodic\" 16777216 "
+                      "\"periodic\" \"P\" [0 0 0]",
                       NULL, "points, not 1");
 }
 

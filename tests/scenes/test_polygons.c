@@ -22,8 +22,10 @@ static void concave_polygons_keep_their_area(void **state) {
 
 static void holes_are_cut_out(void **state) {
     static const char *const texts[] = {
-        "GeneralPolygon [4 4 3] \"P\" [0 0 0 4 0 0 4 4 0 0 4 0  1 1 0 2 1 0 2 2 0 1 2 0  3 3 0 3.5 3 0 3 3.5 0]",
-        "GeneralPolygon [4 4 3] \"P\" [0 0 0 0 4 0 4 4 0 4 0 0  1 1 0 2 1 0 2 2 0 1 2 0  3 3 0 3 3.5 0 3.5 3 0]",
+        "GeneralPolygon [4 4 3] \"P\" [0 0 0 4 0 0 4 4 0 0 4 0  1 1 0 2 1 0 2 2 0 1 2 0  3 3 0 3.5 "
+        "3 0 3 3.5 0]",
+        "GeneralPolygon [4 4 3] \"P\" [0 0 0 0 4 0 4 4 0 4 0 0  1 1 0 2 1 0 2 2 0 1 2 0  3 3 0 3 "
+        "3.5 0 3.5 3 0]",
         "Rotate 37 1 2 3 PointsGeneralPolygons [3] [4 4 3] [0 1 2 3 4 5 6 7 8 9 10] \"P\" "
         "[0 0 0 4 0 0 4 4 0 0 4 0  1 1 0 2 1 0 2 2 0 1 2 0  3 3 0 3.5 3 0 3 3.5 0]"};
     for (size_t k = 0; k < 3; k++) {
@@ -39,7 +41,8 @@ static void holes_are_cut_out(void **state) {
 }
 
 /* Twice the area of the triangles, each of which must go round like the outline. */
-static double triangles_area(const double *points, const uint32_t *triangles, size_t count, double sign) {
+static double triangles_area(const double *points, const uint32_t *triangles, size_t count,
+                             double sign) {
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
         const double *a = points + 2 * triangles[3 * i], *b = points + 2 * triangles[3 * i + 1],
@@ -66,7 +69,8 @@ static void random_stars_with_holes_are_covered_exactly(void **state) {
             bool reverse = loop ? rng_next(&rng) & 1 : is_clockwise;
             for (int i = 0; i < corners; i++, at++) {
                 double angle = 2 * M_PI * (reverse ? corners - i : i) / corners;
-                double r = size * (loop ? 0.3 + rng_unit(&rng) : 3 + 2 * rng_unit(&rng)) * (count < 6 && !loop ? 3 : 1);
+                double r = size * (loop ? 0.3 + rng_unit(&rng) : 3 + 2 * rng_unit(&rng)) *
+                           (count < 6 && !loop ? 3 : 1);
                 points[2 * at] = r * cos(angle) + (loop ? 0.8 * cos(turn) : 0);
                 points[2 * at + 1] = r * sin(angle) + (loop ? 0.8 * sin(turn) : 0);
             }
@@ -80,9 +84,11 @@ static void random_stars_with_holes_are_covered_exactly(void **state) {
         }
         size_t triangle_count;
         double sign = is_clockwise ? -1 : 1;
-        assert_true(triangulate_polygon(points, loops, holes + 1, triangles, &triangle_count, NULL));
+        assert_true(
+            triangulate_polygon(points, loops, holes + 1, triangles, &triangle_count, NULL));
         assert_int_equal(triangle_count, at + 2 * holes - 2);
-        assert_true(fabs(sign * triangles_area(points, triangles, triangle_count, sign) - expected) < 1e-9);
+        assert_true(
+            fabs(sign * triangles_area(points, triangles, triangle_count, sign) - expected) < 1e-9);
     }
 }
 
@@ -91,7 +97,8 @@ static void degenerate_outlines_give_triangles_of_their_corners(void **state) {
     for (int round = 0; round < 5000; round++) {
         double points[40];
         uint32_t triangles[3 * 26];
-        int loops[3] = {3 + (int)rng_below(&rng, 10), 3, 3}, loop_count = 1 + (int)rng_below(&rng, 3);
+        int loops[3] = {3 + (int)rng_below(&rng, 10), 3, 3},
+            loop_count = 1 + (int)rng_below(&rng, 3);
         for (int i = 0; i < 40; i++)
             points[i] = (double)rng_below(&rng, 4); /* crossing, collinear, coincident */
         size_t count;
@@ -115,7 +122,8 @@ static void vertices_are_shared_unless_faces_differ(void **state) {
         char text[512];
         struct reading reading;
         snprintf(text, sizeof text,
-                 IN_VIEW("PointsPolygons [4 4] [0 3 4 1 1 4 5 2] \"P\" [0 0 0 1 0 0 2 0 1 0 1 0 1 1 0 2 1 1] %s"),
+                 IN_VIEW("PointsPolygons [4 4] [0 3 4 1 1 4 5 2] \"P\" [0 0 0 1 0 0 2 0 1 0 1 0 1 "
+                         "1 0 2 1 1] %s"),
                  cases[k].variables);
         struct scene_frame *frame = read_frame(&reading, text, NULL);
         const struct scene_mesh *mesh = &frame->meshes[0];
@@ -134,27 +142,29 @@ static void vertices_are_shared_unless_faces_differ(void **state) {
 
 static void polygon_normals_face_who_sees_them_clockwise(void **state) {
     struct reading reading;
-    struct scene_frame *frame =
-        read_frame(&reading,
-                   IN_VIEW("Polygon \"P\" [0 0 0 0 1 0 1 1 0 1 0 0] Scale -1 1 1 "
-                           "Polygon \"P\" [0 0 0 0 1 0 1 1 0 1 0 0] Polygon \"P\" [0 0 0 0 0 1 0 1 1 0 1 0]"),
-                   NULL);
+    struct scene_frame *frame = read_frame(
+        &reading,
+        IN_VIEW("Polygon \"P\" [0 0 0 0 1 0 1 1 0 1 0 0] Scale -1 1 1 "
+                "Polygon \"P\" [0 0 0 0 1 0 1 1 0 1 0 0] Polygon \"P\" [0 0 0 0 0 1 0 1 1 0 1 0]"),
+        NULL);
     for (size_t i = 0; i < 2; i++) {
         assert_true(variable_vec3(&frame->meshes[i], "N", 0).z == -1);
         check_winding(&frame->meshes[i]);
     }
-    struct vec3 du = variable_vec3(&frame->meshes[2], "dPdu", 0), dv = variable_vec3(&frame->meshes[2], "dPdv", 0);
+    struct vec3 du = variable_vec3(&frame->meshes[2], "dPdu", 0),
+                dv = variable_vec3(&frame->meshes[2], "dPdv", 0);
     assert_true(length3(vec3_cross(du, dv)) > 0.9);
     frame_close(&reading, frame);
 }
 
 static void user_normals_go_by_the_inverse_transpose(void **state) {
     struct reading reading;
-    struct scene_frame *frame =
-        read_frame(&reading,
-                   IN_VIEW("Scale 2 1 1 Polygon \"P\" [0 0 0 0 1 0 1 0 0] \"N\" [1 1 0 1 1 0 1 1 0]"
-                           " \"varying vector w\" [1 1 0 1 1 0 1 1 0] \"varying point q\" [1 1 0 1 1 0 1 1 0]"),
-                   NULL);
+    struct scene_frame *frame = read_frame(
+        &reading,
+        IN_VIEW(
+            "Scale 2 1 1 Polygon \"P\" [0 0 0 0 1 0 1 0 0] \"N\" [1 1 0 1 1 0 1 1 0]"
+            " \"varying vector w\" [1 1 0 1 1 0 1 1 0] \"varying point q\" [1 1 0 1 1 0 1 1 0]"),
+        NULL);
     struct vec3 n = variable_vec3(&frame->meshes[0], "N", 1);
     assert_true(fabs(n.x - 1 / sqrt(5)) < 1e-6 && fabs(n.y - 2 / sqrt(5)) < 1e-6);
     assert_true(variable_vec3(&frame->meshes[0], "w", 1).x == 2);
@@ -175,36 +185,45 @@ static void extreme_coordinates_are_left_out_with_a_warning(void **state) {
     check_mesh(&frame->meshes[1]);
     assert_non_null(strstr(reading.warnings, "1 triangles left out"));
     frame_close(&reading, frame);
-    frame = read_frame(&reading,
-                       IN_VIEW("Polygon \"P\" [0 0 0 0 0 0 0 0 0] Polygon \"P\" [0 0 0 1 1 0 2 2 0]"
-                               "Polygon \"P\" [0 0 0 1e-30 0 0 0 1e30 0] PointsPolygons [] [] \"P\" []"),
-                       NULL);
+    frame = read_frame(
+        &reading,
+        IN_VIEW("Polygon \"P\" [0 0 0 0 0 0 0 0 0] Polygon \"P\" [0 0 0 1 1 0 2 2 0]"
+                "Polygon \"P\" [0 0 0 1e-30 0 0 0 1e30 0] PointsPolygons [] [] \"P\" []"),
+        NULL);
     for (size_t i = 0; i < frame->mesh_count; i++)
         check_mesh(&frame->meshes[i]);
     frame_close(&reading, frame);
-    expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1e300 0 0 0 1 0]", NULL, "beyond the range of floats");
+    expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1e300 0 0 0 1 0]", NULL,
+                      "beyond the range of floats");
 }
 
 static void wrong_indices_and_counts_are_errors(void **state) {
     expect_error_part("WorldBegin PointsPolygons [3] [0 1 3] \"P\" [0 0 0 1 0 0 1 1 0]", NULL,
                       "corner 2 is point 3, but \"P\" has only 3 points");
-    expect_error_part("WorldBegin PointsPolygons [3] [0 1 -1]", NULL, "test.rib:1:36: error: PointsPolygons: index");
-    expect_error_part("WorldBegin PointsPolygons [3] [0 1.5 2]", NULL, "test.rib:1:34: error: PointsPolygons: index");
+    expect_error_part("WorldBegin PointsPolygons [3] [0 1 -1]", NULL,
+                      "test.rib:1:36: error: PointsPolygons: index");
+    expect_error_part("WorldBegin PointsPolygons [3] [0 1.5 2]", NULL,
+                      "test.rib:1:34: error: PointsPolygons: index");
     expect_error_part("WorldBegin PointsPolygons [2] [0 1]", NULL, "number of corners must be 3");
-    expect_error_part("WorldBegin PointsPolygons [3 3] [0 1 2] \"P\" []", NULL, "add up to 6 corners, but 3 are");
-    expect_error_part("WorldBegin PointsGeneralPolygons [2] [3] [0 1 2]", NULL, "add up to 2 loops, but 1 are");
+    expect_error_part("WorldBegin PointsPolygons [3 3] [0 1 2] \"P\" []", NULL,
+                      "add up to 6 corners, but 3 are");
+    expect_error_part("WorldBegin PointsGeneralPolygons [2] [3] [0 1 2]", NULL,
+                      "add up to 2 loops, but 1 are");
     expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1 0 0]", NULL, "needs at least 3 points");
     expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1]", NULL, "takes three numbers a point");
     expect_error_part("WorldBegin Polygon \"Cs\" [0 0 0]", NULL, "Polygon needs \"P\"");
-    expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1 0 0 0 1 0] \"Kz\" 1", NULL, "is not declared");
-    expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1 0 0 0 1 0] \"float dPdu\" 1", NULL, "is computed");
+    expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1 0 0 0 1 0] \"Kz\" 1", NULL,
+                      "is not declared");
+    expect_error_part("WorldBegin Polygon \"P\" [0 0 0 1 0 0 0 1 0] \"float dPdu\" 1", NULL,
+                      "is computed");
 }
 
 static void a_million_triangles_take_linear_time(void **state) {
     enum { SIDE = 708 };
     size_t capacity = (size_t)SIDE * SIDE * 64, length = 0;
     char *text = malloc(capacity);
-    length += (size_t)sprintf(text, "Projection \"perspective\" Translate 0 0 2 WorldBegin PointsPolygons [");
+    length += (size_t)sprintf(
+        text, "Projection \"perspective\" Translate 0 0 2 WorldBegin PointsPolygons [");
     for (int i = 0; i < (SIDE - 1) * (SIDE - 1); i++)
         length += (size_t)sprintf(text + length, "4 ");
     length += (size_t)sprintf(text + length, "] [");
@@ -215,7 +234,8 @@ static void a_million_triangles_take_linear_time(void **state) {
     length += (size_t)sprintf(text + length, "] \"P\" [");
     for (int j = 0; j < SIDE; j++)
         for (int i = 0; i < SIDE; i++)
-            length += (size_t)sprintf(text + length, "%.4f %.4f 0 ", (double)i / SIDE, (double)j / SIDE);
+            length +=
+                (size_t)sprintf(text + length, "%.4f %.4f 0 ", (double)i / SIDE, (double)j / SIDE);
     length += (size_t)sprintf(text + length, "] WorldEnd");
     assert_true(length < capacity);
     struct reading reading;

@@ -51,13 +51,20 @@ static const struct quadric_case {
     int count;
     double a[7];
 } cases[] = {
-    {"Sphere", 4, {1.5, -1.5, 1.5, 360}},     {"Sphere", 4, {1.5, -0.5, 1.2, 200}},
-    {"Sphere", 4, {1, -1, 1, -90}},           {"Cylinder", 4, {1, -1, 2, 360}},
-    {"Cylinder", 4, {.5, 0, 2, 77}},          {"Cone", 3, {2, 1, 360}},
-    {"Cone", 3, {2, 1, 100}},                 {"Disk", 3, {.5, 2, 360}},
-    {"Disk", 3, {0, 1, 45}},                  {"Paraboloid", 4, {1, 0, 2, 360}},
-    {"Paraboloid", 4, {1, .5, 2, 180}},       {"Torus", 5, {1.5, .5, 0, 360, 360}},
-    {"Torus", 5, {1.5, .5, -90, 90, 180}},    {"Hyperboloid", 7, {1, 0, -1, .5, .8, 1, 360}},
+    {"Sphere", 4, {1.5, -1.5, 1.5, 360}},
+    {"Sphere", 4, {1.5, -0.5, 1.2, 200}},
+    {"Sphere", 4, {1, -1, 1, -90}},
+    {"Cylinder", 4, {1, -1, 2, 360}},
+    {"Cylinder", 4, {.5, 0, 2, 77}},
+    {"Cone", 3, {2, 1, 360}},
+    {"Cone", 3, {2, 1, 100}},
+    {"Disk", 3, {.5, 2, 360}},
+    {"Disk", 3, {0, 1, 45}},
+    {"Paraboloid", 4, {1, 0, 2, 360}},
+    {"Paraboloid", 4, {1, .5, 2, 180}},
+    {"Torus", 5, {1.5, .5, 0, 360, 360}},
+    {"Torus", 5, {1.5, .5, -90, 90, 180}},
+    {"Hyperboloid", 7, {1, 0, -1, .5, .8, 1, 360}},
     {"Hyperboloid", 7, {1, 0, 0, 1, 1, 0, 90}},
 };
 
@@ -81,8 +88,9 @@ static void vertices_lie_where_the_definition_puts_them(void **state) {
         if (k + 1 < sizeof cases / sizeof *cases)
             check_winding(mesh);
         for (size_t i = 0; i < mesh->vertex_count; i++) {
-            struct vec3 expected = expected_point(cases[k].kind, cases[k].a, variable_float(mesh, "u", i),
-                                                  variable_float(mesh, "v", i));
+            struct vec3 expected =
+                expected_point(cases[k].kind, cases[k].a, variable_float(mesh, "u", i),
+                               variable_float(mesh, "v", i));
             assert_true(length3(vec3_subtract(expected, object_point(mesh, i))) < 1e-5);
         }
         frame_close(&reading, frame);
@@ -101,11 +109,15 @@ static void tangents_are_the_derivatives_and_normals_their_product(void **state)
             const char *kind = cases[k].kind;
             const double *a = cases[k].a;
             struct vec3 du = vec3_scale(
-                vec3_subtract(expected_point(kind, a, u + h, v), expected_point(kind, a, u - h, v)), .5 / h);
+                vec3_subtract(expected_point(kind, a, u + h, v), expected_point(kind, a, u - h, v)),
+                .5 / h);
             struct vec3 dv = vec3_scale(
-                vec3_subtract(expected_point(kind, a, u, v + h), expected_point(kind, a, u, v - h)), .5 / h);
-            assert_true(length3(vec3_subtract(du, variable_vec3(mesh, "dPdu", i))) < 1e-3 * length3(du));
-            assert_true(length3(vec3_subtract(dv, variable_vec3(mesh, "dPdv", i))) < 1e-3 * length3(dv));
+                vec3_subtract(expected_point(kind, a, u, v + h), expected_point(kind, a, u, v - h)),
+                .5 / h);
+            assert_true(length3(vec3_subtract(du, variable_vec3(mesh, "dPdu", i))) <
+                        1e-3 * length3(du));
+            assert_true(length3(vec3_subtract(dv, variable_vec3(mesh, "dPdv", i))) <
+                        1e-3 * length3(dv));
             struct vec3 n = vec3_normalize(vec3_cross(du, dv));
             assert_true(length3(vec3_subtract(n, variable_vec3(mesh, "N", i))) < 1e-3);
         }
@@ -134,7 +146,8 @@ static void sphere_normals_point_outward_in_every_handedness(void **state) {
         check_mesh(mesh);
         check_winding(mesh);
         for (size_t i = 0; i < mesh->vertex_count; i++)
-            assert_true(ways[k].side * vec3_dot(object_point(mesh, i), variable_vec3(mesh, "N", i)) > 0.5);
+            assert_true(
+                ways[k].side * vec3_dot(object_point(mesh, i), variable_vec3(mesh, "N", i)) > 0.5);
         frame_close(&reading, frame);
     }
 }
@@ -148,7 +161,8 @@ static void chords_stay_within_the_tolerance(void **state) {
         struct scene_frame *frame = read_frame(&reading, IN_VIEW("Sphere 2 -2 2 360"), &options);
         const struct scene_mesh *mesh = &frame->meshes[0];
         const struct scene_camera *camera = &frame->camera;
-        double per_unit = camera->height / (camera->screen_window[3] - camera->screen_window[2]) / 6;
+        double per_unit =
+            camera->height / (camera->screen_window[3] - camera->screen_window[2]) / 6;
         double worst = 0;
         for (size_t i = 0; i < mesh->triangle_count; i++)
             for (size_t e = 0; e < 3; e++) {
@@ -166,13 +180,11 @@ static void areas_converge_to_the_true_ones(void **state) {
     static const struct {
         const char *text;
         double area;
-    } shapes[] = {{"Sphere 2 -2 2 360", 16 * M_PI},
-                  {"Sphere 2 0 2 180", 4 * M_PI},
-                  {"Cylinder 1 -1 1 360", 4 * M_PI},
-                  {"Disk 0 2 360", 4 * M_PI},
-                  {"Cone 1 1 360", M_PI * M_SQRT2},
-                  {"Torus 2 .5 0 360 360", 4 * M_PI * M_PI},
-                  {"Hyperboloid 1 0 0 2 0 0 360", 3 * M_PI}};
+    } shapes[] = {
+        {"Sphere 2 -2 2 360", 16 * M_PI},         {"Sphere 2 0 2 180", 4 * M_PI},
+        {"Cylinder 1 -1 1 360", 4 * M_PI},        {"Disk 0 2 360", 4 * M_PI},
+        {"Cone 1 1 360", M_PI * M_SQRT2},         {"Torus 2 .5 0 360 360", 4 * M_PI * M_PI},
+        {"Hyperboloid 1 0 0 2 0 0 360", 3 * M_PI}};
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++) {
         char text[256];
         struct reading reading;
@@ -206,20 +218,25 @@ static void what_is_out_of_view_is_culled(void **state) {
 }
 
 static void degenerate_quadrics_draw_nothing_or_what_is_left(void **state) {
-    assert_int_equal(count_meshes(IN_VIEW("Sphere 0 -1 1 360 Disk 0 0 360 Cylinder 0 -1 1 360")), 0);
-    assert_int_equal(count_meshes(IN_VIEW("Sphere 1 -1 1 0 Cylinder 1 1 1 360 Paraboloid 1 0 0 360")), 0);
+    assert_int_equal(count_meshes(IN_VIEW("Sphere 0 -1 1 360 Disk 0 0 360 Cylinder 0 -1 1 360")),
+                     0);
+    assert_int_equal(
+        count_meshes(IN_VIEW("Sphere 1 -1 1 0 Cylinder 1 1 1 360 Paraboloid 1 0 0 360")), 0);
     assert_int_equal(count_meshes(IN_VIEW("Torus 0 0 0 360 360 Sphere 1 .5 .5 360")), 0);
     assert_int_equal(count_meshes(IN_VIEW("Hyperboloid 0 0 0 0 0 1 360 Cone 0 0 360")), 0);
-    assert_int_equal(count_meshes(IN_VIEW("Sphere 1 -9 9 720 Sphere -1 -1 1 360 Torus 1 2 0 360 360")), 3);
+    assert_int_equal(
+        count_meshes(IN_VIEW("Sphere 1 -9 9 720 Sphere -1 -1 1 360 Torus 1 2 0 360 360")), 3);
     assert_int_equal(count_meshes(IN_VIEW("Scale 1 1 0 Sphere 1 -1 1 360")), 0);
-    assert_int_equal(count_meshes(IN_VIEW("Scale 1e30 1e30 1e30 Scale 1e30 1e30 1e30 Disk 0 1 360")), 0);
+    assert_int_equal(
+        count_meshes(IN_VIEW("Scale 1e30 1e30 1e30 Scale 1e30 1e30 1e30 Disk 0 1 360")), 0);
     assert_int_equal(count_meshes(IN_VIEW("Scale 1e-20 1e-20 1e-20 Sphere 1 -1 1 360")), 1);
 }
 
 static void an_eye_inside_or_at_the_surface_is_no_trouble(void **state) {
     assert_int_equal(count_meshes(IN_VIEW("Sphere 1000 -1000 1000 360")), 1);
     assert_int_equal(count_meshes(IN_VIEW("Sphere 8 -8 8 360")), 1);
-    assert_int_equal(count_meshes(IN_VIEW("Translate 0 0 -8 Disk 0 1 360 Rotate 90 1 0 0 Disk 0 1 360")), 1);
+    assert_int_equal(
+        count_meshes(IN_VIEW("Translate 0 0 -8 Disk 0 1 360 Rotate 90 1 0 0 Disk 0 1 360")), 1);
     assert_int_equal(count_meshes(IN_VIEW("Perspective 40 Translate 0 0 2 Sphere 1 -1 1 360")), 1);
     assert_int_equal(count_meshes(IN_VIEW("Perspective 40 Sphere 1 -1 1 360")), 1);
 }
@@ -228,14 +245,16 @@ static void too_many_triangles_are_a_clear_error(void **state) {
     struct scene_options options = {.triangles_max = 1000};
     expect_error_part(IN_VIEW("Sphere 2 -2 2 360"), &options, "test.rib:4:1: error: Sphere: ");
     expect_error_part(IN_VIEW("Sphere 2 -2 2 360"), &options, "the limit of the frame leaves 1000");
-    expect_error_part(IN_VIEW("Cylinder 1 -1 1"), NULL, "Cylinder: radius zmin zmax thetamax expected");
+    expect_error_part(IN_VIEW("Cylinder 1 -1 1"), NULL,
+                      "Cylinder: radius zmin zmax thetamax expected");
 }
 
 static void variables_of_quadrics_are_bilinear(void **state) {
     struct reading reading;
     struct scene_frame *frame = read_frame(
         &reading,
-        IN_VIEW("Rotate 90 0 0 1 Cylinder 1 -1 1 360 \"varying float a\" [0 1 2 4] \"st\" [0 0 2 0 0 3 2 3]"
+        IN_VIEW("Rotate 90 0 0 1 Cylinder 1 -1 1 360 \"varying float a\" [0 1 2 4] \"st\" [0 0 2 0 "
+                "0 3 2 3]"
                 " \"uniform color c\" [1 2 3] \"constant float k\" 5 \"constant string n\" \"x\""
                 " \"varying vector w\" [1 0 0 1 0 0 1 0 0 1 0 0] \"Cs\" [1 0 0 1 0 0 0 1 0 0 1 0]"),
         NULL);

@@ -5,30 +5,38 @@
 
 #include <stdio.h>
 
-/* Broken copies of a good file end in a frame or a message, never in a crash or a hang. The seed is the first
- * argument, the number of copies the second. */
+/* Broken copies of a good file end in a frame or a message, never in a crash or a hang. The seed is
+ * the first argument, the number of copies the second. */
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static const char *const good =
     "##RenderMan RIB\nversion 3.03\nDeclare \"w\" \"varying float[2]\"\nFormat 64 48 1\n"
     "Projection \"perspective\" \"fov\" [45]\nClipping 0.1 100\nFrameBegin 1\nTranslate 0 0 5\n"
-    "LightSource \"distantlight\" 1 \"intensity\" [0.8]\nObjectBegin 3\nSphere 0.5 -0.5 0.5 360\nObjectEnd\n"
-    "WorldBegin\nAttributeBegin\nColor [1 0.5 0.25]\nSurface \"plastic\" \"Kd\" 0.5 \"uniform string n\" \"a\\n\"\n"
-    "Rotate 30 1 1 0\nScale 1 -1 1\nTorus 1 .3 0 360 270 \"Cs\" [1 0 0 0 1 0 0 0 1 1 1 1]\nIlluminate 1 0\n"
-    "AttributeEnd\nObjectInstance 3\nCone 1 .5 360\nDisk .1 1 360\nParaboloid 1 0 1 180\nCylinder 1 -1 1 360\n"
+    "LightSource \"distantlight\" 1 \"intensity\" [0.8]\nObjectBegin 3\nSphere 0.5 -0.5 0.5 "
+    "360\nObjectEnd\n"
+    "WorldBegin\nAttributeBegin\nColor [1 0.5 0.25]\nSurface \"plastic\" \"Kd\" 0.5 \"uniform "
+    "string n\" \"a\\n\"\n"
+    "Rotate 30 1 1 0\nScale 1 -1 1\nTorus 1 .3 0 360 270 \"Cs\" [1 0 0 0 1 0 0 0 1 1 1 "
+    "1]\nIlluminate 1 0\n"
+    "AttributeEnd\nObjectInstance 3\nCone 1 .5 360\nDisk .1 1 360\nParaboloid 1 0 1 180\nCylinder "
+    "1 -1 1 360\n"
     "Hyperboloid 1 0 -1 .5 .8 1 360\nBasis \"b-spline\" 1 \"bezier\" 3\n"
-    "PatchMesh \"bicubic\" 5 \"periodic\" 4 \"nonperiodic\" \"P\" [0 0 0 1 0 0 2 0 1 1 0 2 0 0 1 0 1 0 1 1 0 2 1 1 1 1 2"
+    "PatchMesh \"bicubic\" 5 \"periodic\" 4 \"nonperiodic\" \"P\" [0 0 0 1 0 0 2 0 1 1 0 2 0 0 1 0 "
+    "1 0 1 1 0 2 1 1 1 1 2"
     " 0 1 1 0 2 0 1 2 0 2 2 1 1 2 2 0 2 1 0 3 0 1 3 0 2 3 1 1 3 2 0 3 1]\n"
     "Patch \"bilinear\" \"P\" [0 0 0 1 0 0 0 1 0 1 1 1]\n"
-    "PointsGeneralPolygons [2 1] [4 3 3] [0 1 2 3 4 5 6 0 1 4] \"P\" [0 0 0 3 0 0 3 3 0 0 3 0 1 1 0 2 1 0 2 2 0]"
+    "PointsGeneralPolygons [2 1] [4 3 3] [0 1 2 3 4 5 6 0 1 4] \"P\" [0 0 0 3 0 0 3 3 0 0 3 0 1 1 "
+    "0 2 1 0 2 2 0]"
     " \"w\" [0 0 1 1 2 2 3 3 4 4 5 5 6 6] \"uniform color c\" [1 0 0 0 1 0]\n"
-    "MotionBegin [0 1]\nTranslate 1 0 0\nTranslate 2 0 0\nMotionEnd\nPolygon \"P\" [0 0 0 1 0 0 1 1 0 .2 .1 0]\n"
+    "MotionBegin [0 1]\nTranslate 1 0 0\nTranslate 2 0 0\nMotionEnd\nPolygon \"P\" [0 0 0 1 0 0 1 "
+    "1 0 .2 .1 0]\n"
     "WorldEnd\nFrameEnd\n";
 
 static size_t mutate(struct rng *rng, char *text, size_t length, size_t capacity) {
-    static const char *const pieces[] = {"1e30", "-1",  "0",   "1e-30", "\"",   "[",   "]",  "nan",
-                                         "9e99", "#\n", "360", "\\",    "65536", "1e9", "-0", "\"P\""};
+    static const char *const pieces[] = {"1e30",  "-1",  "0",    "1e-30", "\"",  "[",
+                                         "]",     "nan", "9e99", "#\n",   "360", "\\",
+                                         "65536", "1e9", "-0",   "\"P\""};
     size_t changes = 1 + rng_below(rng, 4);
     for (size_t i = 0; i < changes && length > 8; i++) {
         size_t at = rng_below(rng, length), count = 1 + rng_below(rng, 12);

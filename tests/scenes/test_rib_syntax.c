@@ -8,18 +8,20 @@
 #include <unistd.h>
 
 static void errors_name_the_place_and_show_the_line(void **state) {
-    expect_error("version 3.03\n  Color [1 0\nWorldBegin\n", NULL,
-                 "test.rib:3:1: error: Color: three numbers of a colour expected before 'WorldBegin'\n"
-                 "WorldBegin\n^");
+    expect_error(
+        "version 3.03\n  Color [1 0\nWorldBegin\n", NULL,
+        "test.rib:3:1: error: Color: three numbers of a colour expected before 'WorldBegin'\n"
+        "WorldBegin\n^");
     expect_error("Rotate 10 0 1\t\"x\"\n", NULL,
                  "test.rib:1:15: error: Rotate: angle dx dy dz expected\nRotate 10 0 1 \"x\"\n"
                  "              ^");
     expect_error("Format 640 0 1\n", NULL,
                  "test.rib:1:12: error: Format: height must be 1 to 65536, not 0\nFormat 640 0 1\n"
                  "           ^");
-    expect_error("Surface \"plastic\" \"Kx\" 1\n", NULL,
-                 "test.rib:1:19: error: Surface: parameter \"Kx\" is not declared; declare it: Declare "
-                 "\"Kx\" \"uniform float\"\nSurface \"plastic\" \"Kx\" 1\n                  ^");
+    expect_error(
+        "Surface \"plastic\" \"Kx\" 1\n", NULL,
+        "test.rib:1:19: error: Surface: parameter \"Kx\" is not declared; declare it: Declare "
+        "\"Kx\" \"uniform float\"\nSurface \"plastic\" \"Kx\" 1\n                  ^");
     expect_error("Surface \"plastic\" \"Kd\" [1 2]\n", NULL,
                  "test.rib:1:19: error: Surface: \"Kd\" takes 1 number(s), not 2\n"
                  "Surface \"plastic\" \"Kd\" [1 2]\n                  ^");
@@ -36,16 +38,17 @@ static void long_lines_are_cut_around_the_caret(void **state) {
     for (int i = 0; i < 500; i++)
         length += (size_t)sprintf(text + length, "1 ");
     strcpy(text + length, "]");
-    expect_error_part(text, NULL, "test.rib:1:15: error: Format: width height pixelaspectratio: only 3");
+    expect_error_part(text, NULL,
+                      "test.rib:1:15: error: Format: width height pixelaspectratio: only 3");
     memset(text, ' ', 1000);
     strcpy(text + 1000, "?");
     expect_error_part(text, NULL, "test.rib:1:1001: error: unexpected character\n...");
 }
 
 static void numbers_that_are_none_are_refused(void **state) {
-    static const char *const bad[] = {"nan",  "NaN",  "inf", "-inf",   "+nan",  "1e999", "0x10",
-                                      "1.2.3", "1e",   "--1", "1,5",    "12abc", ".",     "-",
-                                      "1e+",  "1e9999999999999999999"};
+    static const char *const bad[] = {
+        "nan", "NaN", "inf", "-inf",  "+nan", "1e999", "0x10", "1.2.3",
+        "1e",  "--1", "1,5", "12abc", ".",    "-",     "1e+",  "1e9999999999999999999"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char text[128];
         snprintf(text, sizeof text, "Translate 0 0 %s\nWorldBegin WorldEnd\n", bad[i]);
@@ -55,10 +58,21 @@ static void numbers_that_are_none_are_refused(void **state) {
 }
 
 static void numbers_are_correctly_rounded(void **state) {
-    static const char *const texts[] = {"0",       "-0",     "1e22",  "1e23",   "9007199254740993",
-                                        "0.1",     ".5",     "5.",    "-.25e2", "4.9e-324",
-                                        "1.7976931348623157e308",     "123456789012345678901234567890",
-                                        "0.000000000000000000000000000000000000001", "1E-5", "+7"};
+    static const char *const texts[] = {"0",
+                                        "-0",
+                                        "1e22",
+                                        "1e23",
+                                        "9007199254740993",
+                                        "0.1",
+                                        ".5",
+                                        "5.",
+                                        "-.25e2",
+                                        "4.9e-324",
+                                        "1.7976931348623157e308",
+                                        "123456789012345678901234567890",
+                                        "0.000000000000000000000000000000000000001",
+                                        "1E-5",
+                                        "+7"};
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         double value, expected = strtod(texts[i], NULL);
@@ -94,7 +108,8 @@ static void decimal_commas_of_the_locale_do_not_matter(void **state) {
 static void strings_know_escapes(void **state) {
     struct reading reading;
     struct scene_frame *frame = read_frame(
-        &reading, "Display \"a\\\"b\\\\c\\101\\n\\\nd\" \"file\" \"rgb\" WorldBegin WorldEnd", NULL);
+        &reading, "Display \"a\\\"b\\\\c\\101\\n\\\nd\" \"file\" \"rgb\" WorldBegin WorldEnd",
+        NULL);
     assert_string_equal(frame->display_name, "a\"b\\cA\nd");
     frame_close(&reading, frame);
     expect_error_part("Display \"a", NULL, "test.rib:1:9: error: a string is not closed");
@@ -107,11 +122,12 @@ static void unknown_requests_warn_once_for_each_name(void **state) {
                                            "Foo 1 [2 3] \"x\"\n Foo\nBar [\"a\" \"b\"]\nFoo 3\n"
                                            "WorldBegin NuPatch 1 NuPatch 2\nWorldEnd",
                                            NULL);
-    assert_string_equal(reading.warnings,
-                        "test.rib:1:1: warning: unknown request 'Foo': skipped\nFoo 1 [2 3] \"x\"\n^\n"
-                        "test.rib:3:1: warning: unknown request 'Bar': skipped\nBar [\"a\" \"b\"]\n^\n"
-                        "test.rib:5:12: warning: NuPatch is not supported: skipped\n"
-                        "WorldBegin NuPatch 1 NuPatch 2\n           ^\n");
+    assert_string_equal(
+        reading.warnings,
+        "test.rib:1:1: warning: unknown request 'Foo': skipped\nFoo 1 [2 3] \"x\"\n^\n"
+        "test.rib:3:1: warning: unknown request 'Bar': skipped\nBar [\"a\" \"b\"]\n^\n"
+        "test.rib:5:12: warning: NuPatch is not supported: skipped\n"
+        "WorldBegin NuPatch 1 NuPatch 2\n           ^\n");
     frame_close(&reading, frame);
 }
 
@@ -122,7 +138,8 @@ static void harmless_requests_are_silent(void **state) {
         "##RenderMan RIB-Structure 1.0\nversion 3.04\nShutter 0 1\nPixelFilter \"gaussian\" 2 2\n"
         "Quantize \"rgba\" 255 0 255 .5\nHider \"hidden\"\nExposure 1 1\nDepthOfField\n"
         "Option \"limits\" \"bucketsize\" [16 16]\nShadingRate 1\nCropWindow 0 1 0 1\n"
-        "WorldBegin\nAttribute \"identifier\" \"name\" [\"a\"]\nCoordinateSystem \"here\"\nWorldEnd",
+        "WorldBegin\nAttribute \"identifier\" \"name\" [\"a\"]\nCoordinateSystem "
+        "\"here\"\nWorldEnd",
         NULL);
     assert_string_equal(reading.warnings, "");
     frame_close(&reading, frame);
@@ -132,17 +149,21 @@ static void requests_out_of_place_are_errors(void **state) {
     expect_error_part("Sphere 1 -1 1 360", NULL, "Sphere is not allowed outside of WorldBegin");
     expect_error_part("WorldBegin Format 1 1 1", NULL, "Format is not allowed between WorldBegin");
     expect_error_part("WorldBegin WorldBegin", NULL, "WorldBegin is not allowed");
-    expect_error_part("AttributeBegin\nTransformEnd", NULL,
-                      "test.rib:2:1: error: TransformEnd, but the AttributeBegin of line 1 is still open");
+    expect_error_part(
+        "AttributeBegin\nTransformEnd", NULL,
+        "test.rib:2:1: error: TransformEnd, but the AttributeBegin of line 1 is still open");
     expect_error_part("AttributeEnd", NULL, "AttributeEnd without AttributeBegin");
     expect_error_part("ObjectBegin 1 LightSource \"x\" 1", NULL, "LightSource is not allowed");
-    expect_error_part("WorldBegin 3", NULL, "a request expected here; too many arguments of WorldBegin");
+    expect_error_part("WorldBegin 3", NULL,
+                      "a request expected here; too many arguments of WorldBegin");
 }
 
 static void truncated_files_are_errors_at_the_open_block(void **state) {
-    expect_error("FrameBegin 1\n WorldBegin\nSphere 1 -1 1 360\n", NULL,
-                 "test.rib:2:2: error: the file ends before WorldEnd for this WorldBegin\n WorldBegin\n ^");
-    expect_error_part("WorldBegin\nPolygon \"P\" [0 0", NULL, "the file ends where Polygon should be: P");
+    expect_error(
+        "FrameBegin 1\n WorldBegin\nSphere 1 -1 1 360\n", NULL,
+        "test.rib:2:2: error: the file ends before WorldEnd for this WorldBegin\n WorldBegin\n ^");
+    expect_error_part("WorldBegin\nPolygon \"P\" [0 0", NULL,
+                      "the file ends where Polygon should be: P");
 }
 
 static void empty_files_have_no_frames(void **state) {
@@ -194,8 +215,9 @@ static void write_file(const char *folder, const char *name, const char *text) {
 static void archives_are_read_beside_their_file_and_cycles_refused(void **state) {
     char folder[] = "/tmp/scenes_archive_XXXXXX", path[512], command[600];
     assert_non_null(mkdtemp(folder));
-    write_file(folder, "main.rib", "WorldBegin\nTranslate 0 0 5\nReadArchive \"one.rib\" Color 0 1 0\n"
-                                   "ReadArchive \"one.rib\"\nWorldEnd\n");
+    write_file(folder, "main.rib",
+               "WorldBegin\nTranslate 0 0 5\nReadArchive \"one.rib\" Color 0 1 0\n"
+               "ReadArchive \"one.rib\"\nWorldEnd\n");
     write_file(folder, "one.rib", "Bar\nSphere 1 -1 1 360\n");
     write_file(folder, "loop.rib", "ReadArchive \"again.rib\"\n");
     write_file(folder, "again.rib", "Color 1 1 1\n  ReadArchive \"loop.rib\"\n");
@@ -212,7 +234,8 @@ static void archives_are_read_beside_their_file_and_cycles_refused(void **state)
     assert_non_null(strstr(reading.warnings, "one.rib:1:1: warning: unknown request 'Bar'"));
     frame_close(&reading, frame);
     static const char *const cases[][2] = {
-        {"loop.rib", "/again.rib:2:15: error: the archive \"loop.rib\" reads itself\n  ReadArchive"},
+        {"loop.rib",
+         "/again.rib:2:15: error: the archive \"loop.rib\" reads itself\n  ReadArchive"},
         {"bad.rib", "/wrong.rib:3:1: error: the file ends where Color should be"},
         {"missing.rib", "/missing.rib:1:13: error: nowhere.rib: No such file"}};
     for (size_t i = 0; i < 3; i++) {
@@ -225,6 +248,8 @@ static void archives_are_read_beside_their_file_and_cycles_refused(void **state)
     }
     assert_false(rib_reader_open(folder, NULL, &reading.reader, &reading.status));
     assert_null(reading.reader);
+    assert_false(rib_reader_open("/dev/zero", NULL, &reading.reader, &reading.status));
+    assert_int_equal(reading.status.code, STATUS_LIMIT);
     assert_false(rib_reader_open("/no/such.rib", NULL, &reading.reader, &reading.status));
     assert_int_equal(reading.status.code, STATUS_NOT_FOUND);
     snprintf(command, sizeof command, "rm -r %s", folder);
@@ -251,20 +276,22 @@ static void files_longer_than_the_window_keep_places_and_tokens(void **state) {
 
 static void undeclared_parameters_of_options_warn_and_are_skipped(void **state) {
     struct reading reading;
-    struct scene_frame *frame =
-        read_frame(&reading,
-                   "Projection \"orthographic\" \"zoom\" [1 2]\nProjection \"orthographic\" \"zoom\" 3\n"
-                   "Projection \"perspective\" \"uniform float fov\" 90 WorldBegin WorldEnd",
-                   NULL);
-    assert_string_equal(reading.warnings,
-                        "test.rib:1:27: warning: Projection: parameter \"zoom\" is not declared: skipped\n"
-                        "Projection \"orthographic\" \"zoom\" [1 2]\n                          ^\n");
+    struct scene_frame *frame = read_frame(
+        &reading,
+        "Projection \"orthographic\" \"zoom\" [1 2]\nProjection \"orthographic\" \"zoom\" 3\n"
+        "Projection \"perspective\" \"uniform float fov\" 90 WorldBegin WorldEnd",
+        NULL);
+    assert_string_equal(
+        reading.warnings,
+        "test.rib:1:27: warning: Projection: parameter \"zoom\" is not declared: skipped\n"
+        "Projection \"orthographic\" \"zoom\" [1 2]\n                          ^\n");
     assert_true(frame->camera.is_perspective);
     frame_close(&reading, frame);
 }
 
 static void declarations_are_checked(void **state) {
-    expect_error_part("Declare \"a\" \"uniform flaot\"", NULL, "test.rib:1:13: error: \"uniform flaot\"");
+    expect_error_part("Declare \"a\" \"uniform flaot\"", NULL,
+                      "test.rib:1:13: error: \"uniform flaot\"");
     expect_error_part("Declare \"a\" \"float[0]\"", NULL, "array length");
     expect_error_part("Surface \"x\" \"uniform float\" 1", NULL, "the name is missing");
     expect_error_part("Surface \"x\" \"Kd\" 1 \"Kd\" 2", NULL, "given twice");

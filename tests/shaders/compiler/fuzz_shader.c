@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Any bytes are a shader or an error. With libFuzzer the engine brings main; without, main replays the files
- * named on the command line. */
+/* Any bytes are a shader or an error. With libFuzzer the engine brings main; without, main replays
+ * the files named on the command line. */
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length);
 

@@ -23,7 +23,8 @@ struct shader_program *harness_compile(const char *source, const char *const *ma
     return program;
 }
 
-/* The running sums that a node keeps: per block the sum over control paths of the largest trip count. */
+/* The running sums that a node keeps: per block the sum over control paths of the largest trip
+ * count. */
 struct seen {
     uint32_t block;
     uint64_t key, trips;
@@ -64,7 +65,8 @@ void harness_open(struct harness *h, const char *source, int width, const char *
     fwrite(h->program->c_source, 1, h->program->c_length, file);
     fclose(file);
     snprintf(command, sizeof command,
-             "cc -std=gnu11 -O1 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Werror -Wno-psabi -shared "
+             "cc -std=gnu11 -O1 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra "
+             "-Werror -Wno-psabi -shared "
              "-fPIC %s -DSHADER_WIDTH=%d -I'%s' -o %s/shader.so %s/shader.c",
              flags_for(width), width, SIMD_INCLUDE, folder, folder);
     assert_int_equal(system(command), 0);
@@ -91,7 +93,8 @@ void harness_close(struct harness *h) {
     free(h->uniform);
 }
 
-const struct shader_parameter *harness_parameter(const struct shader_program *program, const char *name) {
+const struct shader_parameter *harness_parameter(const struct shader_program *program,
+                                                 const char *name) {
     for (int i = 0; i < program->parameter_count; i++)
         if (!strcmp(program->parameters[i].name, name))
             return &program->parameters[i];
@@ -102,7 +105,8 @@ const struct shader_parameter *harness_parameter(const struct shader_program *pr
 void harness_bind(struct harness *h, const char *name, const float *values) {
     const struct shader_parameter *parameter = harness_parameter(h->program, name);
     assert_true(parameter->bound_offset >= 0);
-    memcpy(h->bound + parameter->bound_offset, values, (size_t)parameter->components * sizeof *values);
+    memcpy(h->bound + parameter->bound_offset, values,
+           (size_t)parameter->components * sizeof *values);
     memset(h->given + parameter->bound_offset, 1, (size_t)parameter->components);
 }
 
@@ -119,7 +123,8 @@ static void set_material(struct harness *h, float (*planes)[HARNESS_SAMPLES]) {
         for (int c = 0; parameter->is_material && c < parameter->components; c++)
             for (int i = 0; i < HARNESS_SAMPLES; i++) {
                 float value = (float)(i + 100 * c);
-                if (parameter->is_global && (!strcmp(parameter->name, "N") || !strcmp(parameter->name, "Ng")))
+                if (parameter->is_global &&
+                    (!strcmp(parameter->name, "N") || !strcmp(parameter->name, "Ng")))
                     value = c == 2 ? -1 : 0;
                 if (parameter->is_global && !strcmp(parameter->name, "t"))
                     value = 0.5f;
@@ -146,9 +151,10 @@ void harness_run(struct harness *h, struct harness *const *lights, int light_cou
         incident[2][i] = 1;
     }
     for (int i = 0; i < light_count; i++) {
-        lights[i]->module->prepare(lights[i]->bound, lights[i]->given, &lights[i]->matrices, lights[i]->uniform);
-        light_table[i] = (struct shader_light){lights[i]->module, lights[i]->uniform, &lights[i]->matrices,
-                                               &lights[i]->counters};
+        lights[i]->module->prepare(lights[i]->bound, lights[i]->given, &lights[i]->matrices,
+                                   lights[i]->uniform);
+        light_table[i] = (struct shader_light){lights[i]->module, lights[i]->uniform,
+                                               &lights[i]->matrices, &lights[i]->counters};
     }
     h->module->prepare(h->bound, h->given, &h->matrices, h->uniform);
     struct shader_call call = {.count = HARNESS_SAMPLES,

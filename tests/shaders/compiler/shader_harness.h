@@ -5,8 +5,8 @@
 #include "shaders/compiler/shader_compile.h"
 #include "shaders/simd/shader_module.h"
 
-/* Compiles RSL all the way to code that runs in this process, and runs it on a few samples. Asserts through
- * cmocka that everything before the behaviour under test works. */
+/* Compiles RSL all the way to code that runs in this process, and runs it on a few samples. Asserts
+ * through cmocka that everything before the behaviour under test works. */
 
 enum { HARNESS_SAMPLES = 16, HARNESS_BLOCKS = 64 };
 
@@ -22,8 +22,8 @@ struct harness {
     uint64_t executions[HARNESS_BLOCKS];
 };
 
-/* What run() shades: sample i has s = i, t = 0.5, P = (i, 2, 3), I = (0, 0, 1), N = (0, 0, -1); other material
- * parameters are i + 100 * component. */
+/* What run() shades: sample i has s = i, t = 0.5, P = (i, 2, 3), I = (0, 0, 1), N = (0, 0, -1);
+ * other material parameters are i + 100 * component. */
 struct harness_result {
     float color[3][HARNESS_SAMPLES];
     int overrun;
@@ -39,10 +39,12 @@ void harness_bind_string(struct harness *h, const char *name, const char *text);
 void harness_run(struct harness *h, struct harness *const *lights, int light_count,
                  struct harness_result *result);
 /* The parameter of this name; fails the test when there is none. */
-const struct shader_parameter *harness_parameter(const struct shader_program *program, const char *name);
+const struct shader_parameter *harness_parameter(const struct shader_program *program,
+                                                 const char *name);
 /* Operations of a stream over all blocks. */
 uint32_t harness_operations(const struct shader_module *module, int stream, int operation);
 /* Compiles only; NULL and the message when that fails. */
-struct shader_program *harness_compile(const char *source, const char *const *material, struct status *status);
+struct shader_program *harness_compile(const char *source, const char *const *material,
+                                       struct status *status);
 
 #endif

@@ -14,7 +14,8 @@ static const struct {
     const char *source, *message;
 } mistakes[] = {
     {"surface a() {\n\tCi = color(1,0,0) + Foo;\n}",
-     "test.sl:2:22: error: 'Foo' is not declared\n\tCi = color(1,0,0) + Foo;\n\t                    ^"},
+     "test.sl:2:22: error: 'Foo' is not declared\n\tCi = color(1,0,0) + Foo;\n\t                   "
+     " ^"},
     {"surface a(float colour = 1;) { Ci = shade1 * coluor; }",
      "test.sl:1:37: error: 'shade1' is not declared\n"
      "surface a(float colour = 1;) { Ci = shade1 * coluor; }\n"
@@ -22,41 +23,49 @@ static const struct {
      "test.sl:1:46: error: 'coluor' is not declared; did you mean 'colour'?\n"
      "surface a(float colour = 1;) { Ci = shade1 * coluor; }\n"
      "                                             ^"},
-    {"surface a() { Ci = normalise(N); }", "test.sl:1:20: error: there is no function 'normalise'; did you mean 'normalize'?\n"
-                                          "surface a() { Ci = normalise(N); }\n"
-                                          "                   ^"},
+    {"surface a() { Ci = normalise(N); }",
+     "test.sl:1:20: error: there is no function 'normalise'; did you mean 'normalize'?\n"
+     "surface a() { Ci = normalise(N); }\n"
+     "                   ^"},
     {"surface a() { Ci = texture(\"x\"); }",
      "test.sl:1:20: error: texture() is not supported: image textures are not there yet\n"
      "surface a() { Ci = texture(\"x\"); }\n"
      "                   ^"},
     {"surface a() {\n  uniform float k = s;\n  Ci = k;\n}",
-     "test.sl:2:21: error: a value that varies is assigned to uniform 'k'\n  uniform float k = s;\n                    ^"},
+     "test.sl:2:21: error: a value that varies is assigned to uniform 'k'\n  uniform float k = "
+     "s;\n                    ^"},
     {"surface a() {\n  uniform float k = 0;\n  if (s > 0)\n    k = 1;\n  Ci = k;\n}",
-     "test.sl:4:7: error: uniform 'k' is assigned where samples go different ways\n    k = 1;\n      ^"},
+     "test.sl:4:7: error: uniform 'k' is assigned where samples go different ways\n    k = 1;\n    "
+     "  ^"},
     {"surface a(uniform float k = 0;) { Ci = k; }", NULL},
-    {"float f(float x) { return g(x); }\nfloat g(float x) { return f(x); }\nsurface a() { Ci = f(s); }",
-     "test.sl:2:27: error: recursion: f calls g calls f; functions are inlined and cannot call themselves\n"
+    {"float f(float x) { return g(x); }\nfloat g(float x) { return f(x); }\nsurface a() { Ci = "
+     "f(s); }",
+     "test.sl:2:27: error: recursion: f calls g calls f; functions are inlined and cannot call "
+     "themselves\n"
      "float g(float x) { return f(x); }\n                          ^"},
-    {"#define X 1\nsurface a() { Ci = 1; }",
-     "test.sl:1:1: error: preprocessor directives are not supported; run the shader through cpp first\n"
-     "#define X 1\n^"},
+    {"#define X 1\nsurface a() { Ci = 1; }", "test.sl:1:1: error: preprocessor directives are not "
+                                             "supported; run the shader through cpp first\n"
+                                             "#define X 1\n^"},
     {"# 40 \"other.sl\"\nsurface a() { Ci = x; }",
      "other.sl:40:20: error: 'x' is not declared\nsurface a() { Ci = x; }\n                   ^"},
-    {"surface a() { Ci = 1 }\n", "test.sl:1:22: error: expected ';' before '}'\nsurface a() { Ci = 1 }\n"
-                                 "                     ^"},
+    {"surface a() { Ci = 1 }\n",
+     "test.sl:1:22: error: expected ';' before '}'\nsurface a() { Ci = 1 }\n"
+     "                     ^"},
     {"surface a() { Ci = transform(\"wrld\", P); }",
      "test.sl:1:20: error: cannot use point where color is wanted; say color (...)\n"
      "surface a() { Ci = transform(\"wrld\", P); }\n                   ^"},
     {"surface a() { Ci = xcomp(transform(\"wrld\", P)); }",
      "test.sl:1:36: error: unknown space \"wrld\"; did you mean \"world\"?\n"
      "surface a() { Ci = xcomp(transform(\"wrld\", P)); }\n                                   ^"},
-    {"surface a() { break; }", "test.sl:1:15: error: this is not inside a loop\nsurface a() { break; }\n"
-                               "              ^"},
+    {"surface a() { break; }",
+     "test.sl:1:15: error: this is not inside a loop\nsurface a() { break; }\n"
+     "              ^"},
     {"surface a(float k = 1;) { k = 2; Ci = k; }",
      "test.sl:1:27: error: 'k' is a parameter of the shader and cannot be changed\n"
      "surface a(float k = 1;) { k = 2; Ci = k; }\n                          ^"},
     {"", "test.sl:1:1: error: there is no surface or light shader in this file\n\n^"},
-    {"displacement a() { }", "test.sl:1:1: error: displacement shaders are not supported\ndisplacement a() { }\n^"},
+    {"displacement a() { }",
+     "test.sl:1:1: error: displacement shaders are not supported\ndisplacement a() { }\n^"},
     {"surface a() { Ci = Cl; }",
      "test.sl:1:20: error: Cl has a value only inside illuminance\nsurface a() { Ci = Cl; }\n"
      "                   ^"},
@@ -93,9 +102,10 @@ static void a_uniform_parameter_cannot_come_with_the_primitives(void **state) {
     struct status status = {0};
     const char *const material[] = {"k", NULL};
     assert_null(harness_compile("surface a(uniform float k = 1;) { Ci = k; }", material, &status));
-    assert_string_equal(status.message,
-                        "test.sl:1:25: error: 'k' comes with the primitives, but is declared uniform\n"
-                        "surface a(uniform float k = 1;) { Ci = k; }\n                        ^");
+    assert_string_equal(
+        status.message,
+        "test.sl:1:25: error: 'k' comes with the primitives, but is declared uniform\n"
+        "surface a(uniform float k = 1;) { Ci = k; }\n                        ^");
 }
 
 static void limits_are_errors(void **state) {
@@ -115,8 +125,8 @@ static void limits_are_errors(void **state) {
     char source[4096] = "float f0(float x) { return x; }\n";
     for (int i = 1; i <= 20; i++) {
         size_t used = strlen(source);
-        snprintf(source + used, sizeof source - used, "float f%d(float x) { return f%d(f%d(x)); }\n", i, i - 1,
-                 i - 1);
+        snprintf(source + used, sizeof source - used,
+                 "float f%d(float x) { return f%d(f%d(x)); }\n", i, i - 1, i - 1);
     }
     strcat(source, "surface a() { Ci = f20(s); }");
     assert_null(harness_compile(source, NULL, &status));

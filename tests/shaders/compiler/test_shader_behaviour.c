@@ -13,9 +13,10 @@
 
 static const int widths[] = {4, 8, 16};
 
-/* Runs a surface at every width; the first width's colors are returned, the others must have the same bits. */
-static void run(const char *source, const char *const *material, struct harness *const *lights, int light_count,
-                struct harness_result *result) {
+/* Runs a surface at every width; the first width's colors are returned, the others must have the
+ * same bits. */
+static void run(const char *source, const char *const *material, struct harness *const *lights,
+                int light_count, struct harness_result *result) {
     for (int w = 0; w < 3; w++) {
         struct harness h;
         struct harness_result one;
@@ -29,33 +30,33 @@ static void run(const char *source, const char *const *material, struct harness 
 }
 
 /* Expressions over s = i, each with what it is in plain C. */
-#define EXPRESSIONS(X)                                                                                       \
-    X("s * 2 + 1", i * 2 + 1)                                                                                \
-    X("1 - s / 4 - 2", 1 - i / 4 - 2)                                                                        \
-    X("-s + -(3)", -i - 3)                                                                                   \
-    X("s < 3 ? 10 : 20", i < 3 ? 10 : 20)                                                                    \
-    X("(s > 2 && s <= 5) || s == 9 ? 1 : 0", (i > 2 && i <= 5) || i == 9 ? 1 : 0)                            \
-    X("!(s != 4) ? 1 : 2", i == 4 ? 1 : 2)                                                                   \
-    X("mod(s, 4)", fmodf(i, 4))                                                                              \
-    X("mod(-s, 4)", (4 - fmodf(i, 4)) == 4 ? 0 : 4 - fmodf(i, 4))                                            \
-    X("min(s, 5, 3)", fminf(i, 3))                                                                           \
-    X("max(s, 5)", fmaxf(i, 5))                                                                              \
-    X("clamp(s, 2, 4)", fminf(fmaxf(i, 2), 4))                                                               \
-    X("abs(s - 5)", fabsf(i - 5))                                                                            \
-    X("sign(s - 5)", i < 5 ? -1 : i > 5 ? 1 : 0)                                                             \
-    X("floor(s / 3) + ceil(s / 3)", floorf(i / 3) + ceilf(i / 3))                                            \
-    X("step(4, s)", i < 4 ? 0 : 1)                                                                           \
-    X("mix(10, 20, s / 16)", 10 * (1 - i / 16) + 20 * (i / 16))                                              \
-    X("sqrt(s * s)", i)                                                                                      \
-    X("point (s, 1, 2) . vector (3, s, 1)", i * 3 + i + 2)                                                   \
-    X("zcomp(vector (s, 1, 0) ^ vector (2, 3, 0))", i * 3 - 2)                                               \
-    X("length(vector (3 * s, 4 * s, 0))", 5 * i)                                                             \
-    X("distance(point (s, 0, 0), point (s, 3, 4))", 5)                                                       \
-    X("comp(color (1, 2, 3), mod(s, 3))", fmodf(i, 3) + 1)                                                   \
-    X("smoothstep(0, 16, s)", (i / 16) * (i / 16) * (3 - 2 * (i / 16)))                                      \
-    X("comp(color \"hsv\" (0, 1, s), 0)", i)                                                                 \
-    X("comp(ctransform(\"hsv\", color (s, 0, 0)), 2)", i)                                                    \
-    X("xcomp(reflect(vector (s, 1, 0), normal (1, 0, 0)))", -i)                                              \
+#define EXPRESSIONS(X)                                                                             \
+    X("s * 2 + 1", i * 2 + 1)                                                                      \
+    X("1 - s / 4 - 2", 1 - i / 4 - 2)                                                              \
+    X("-s + -(3)", -i - 3)                                                                         \
+    X("s < 3 ? 10 : 20", i < 3 ? 10 : 20)                                                          \
+    X("(s > 2 && s <= 5) || s == 9 ? 1 : 0", (i > 2 && i <= 5) || i == 9 ? 1 : 0)                  \
+    X("!(s != 4) ? 1 : 2", i == 4 ? 1 : 2)                                                         \
+    X("mod(s, 4)", fmodf(i, 4))                                                                    \
+    X("mod(-s, 4)", (4 - fmodf(i, 4)) == 4 ? 0 : 4 - fmodf(i, 4))                                  \
+    X("min(s, 5, 3)", fminf(i, 3))                                                                 \
+    X("max(s, 5)", fmaxf(i, 5))                                                                    \
+    X("clamp(s, 2, 4)", fminf(fmaxf(i, 2), 4))                                                     \
+    X("abs(s - 5)", fabsf(i - 5))                                                                  \
+    X("sign(s - 5)", i<5 ? -1 : i> 5 ? 1 : 0)                                                      \
+    X("floor(s / 3) + ceil(s / 3)", floorf(i / 3) + ceilf(i / 3))                                  \
+    X("step(4, s)", i < 4 ? 0 : 1)                                                                 \
+    X("mix(10, 20, s / 16)", 10 * (1 - i / 16) + 20 * (i / 16))                                    \
+    X("sqrt(s * s)", i)                                                                            \
+    X("point (s, 1, 2) . vector (3, s, 1)", i * 3 + i + 2)                                         \
+    X("zcomp(vector (s, 1, 0) ^ vector (2, 3, 0))", i * 3 - 2)                                     \
+    X("length(vector (3 * s, 4 * s, 0))", 5 * i)                                                   \
+    X("distance(point (s, 0, 0), point (s, 3, 4))", 5)                                             \
+    X("comp(color (1, 2, 3), mod(s, 3))", fmodf(i, 3) + 1)                                         \
+    X("smoothstep(0, 16, s)", (i / 16) * (i / 16) * (3 - 2 * (i / 16)))                            \
+    X("comp(color \"hsv\" (0, 1, s), 0)", i)                                                       \
+    X("comp(ctransform(\"hsv\", color (s, 0, 0)), 2)", i)                                          \
+    X("xcomp(reflect(vector (s, 1, 0), normal (1, 0, 0)))", -i)                                    \
     X("degrees(radians(s)) > s - 0.01 ? 1 : 0", 1)
 
 static void expressions_are_what_c_says(void **state) {
@@ -81,7 +82,8 @@ static void expressions_are_what_c_says(void **state) {
 #undef VALUE
             };
             if (fabs((double)result.color[0][n] - values[first]) > 1e-5 * (1 + fabs(values[first])))
-                fail_msg("%s at s = %d is %g, not %g", texts[first], n, (double)result.color[0][n], values[first]);
+                fail_msg("%s at s = %d is %g, not %g", texts[first], n, (double)result.color[0][n],
+                         values[first]);
         }
     }
 }
@@ -141,13 +143,14 @@ static void control_flow_is_what_c_says(void **state) {
 
 static void arrays_and_functions_work(void **state) {
     struct harness_result result;
-    run("float early(float x) { if (x < 3) return 7; float y = x * 2; if (y > 20) { return 9; } return y; }\n"
+    run("float early(float x) { if (x < 3) return 7; float y = x * 2; if (y > 20) { return 9; } "
+        "return y; }\n"
         "void both(float x; output float a; output color b) { a = x + 1; b = color (a, x, 2); }\n"
         "float sum(float list[]; float count) { float i, n = 0;\n"
         "  for (i = 0; i < count; i += 1) n += list[i]; return n; }\n"
         "surface a(float p[3] = {10, 20, 30};) {\n"
         "  float q[4] = {1, 2, 3, 4}; color c[2]; float one; color two;\n"
-        "  q[s - 2] = 100 + s;\n"                /* clamped at both ends */
+        "  q[s - 2] = 100 + s;\n" /* clamped at both ends */
         "  c[1] = color (s, 5, 6);\n"
         "  both(s, one, two);\n"
         "  float twice(float z) { return z + one; }\n"
@@ -169,9 +172,11 @@ static void illuminance_visits_every_directional_light(void **state) {
         struct harness h;
         struct harness_result result;
         harness_open(&ambient, "light a() { Cl = 0.25; }", widths[w], NULL);
-        harness_open(&sun, "light d() { solar (vector (0, 0, 1), 0) Cl = color (1, 2, 3); }", widths[w], NULL);
-        harness_open(&lamp, "light p() { illuminate (point (8, 2, 0), vector (0, 0, 1), 0.9) Cl = 10; }", widths[w],
-                     NULL);
+        harness_open(&sun, "light d() { solar (vector (0, 0, 1), 0) Cl = color (1, 2, 3); }",
+                     widths[w], NULL);
+        harness_open(&lamp,
+                     "light p() { illuminate (point (8, 2, 0), vector (0, 0, 1), 0.9) Cl = 10; }",
+                     widths[w], NULL);
         harness_open(&h,
                      "surface a() { color c = 0; float n = 0;\n"
                      "  illuminance (P) { c += Cl; n += zcomp(L); }\n"
@@ -185,7 +190,8 @@ static void illuminance_visits_every_directional_light(void **state) {
             float d = fabsf((float)i - 8);
             int is_lit = 3 >= cos(0.9) * sqrt(9.0 + (double)(d * d));
             assert_true(result.color[0][i] == 0.25f + 1 + (is_lit ? 10.0f : 0.0f));
-            assert_true(result.color[2][i] == 0.25f + 3 + (is_lit ? 10.0f : 0.0f) - 1 - (is_lit ? 3.0f : 0.0f));
+            assert_true(result.color[2][i] ==
+                        0.25f + 3 + (is_lit ? 10.0f : 0.0f) - 1 - (is_lit ? 3.0f : 0.0f));
         }
         assert_int_equal(h.executions[1], 2); /* two lights have a direction */
         harness_close(&h);
@@ -199,7 +205,9 @@ static void standard_reflection_is_what_the_formulas_say(void **state) {
     struct harness h;
     struct harness_result result;
     harness_open(&sun, "light d() { solar (vector (0, 3, 4), 0) Cl = 1; }", 8, NULL);
-    harness_open(&h, "surface a() { Ci = color (comp(diffuse(N), 0), comp(specular(N, -I, 0.5), 0), comp(phong(N, -I, 2), 0)); }",
+    harness_open(&h,
+                 "surface a() { Ci = color (comp(diffuse(N), 0), comp(specular(N, -I, 0.5), 0), "
+                 "comp(phong(N, -I, 2), 0)); }",
                  8, NULL);
     harness_run(&h, lights, 1, &result);
     double hz = 1.8, hy = 0.6, cosine = hz / sqrt(hz * hz + hy * hy);
@@ -214,7 +222,8 @@ static void spaces_transform_points_vectors_and_normals(void **state) {
     struct harness h;
     struct harness_result result;
     harness_open(&h,
-                 "surface a(point p = (1, 2, 3); vector v = vector (1, 0, 0); string where = \"shader\";) {\n"
+                 "surface a(point p = (1, 2, 3); vector v = vector (1, 0, 0); string where = "
+                 "\"shader\";) {\n"
                  "  point q = transform(where, P);\n"
                  "  Ci = color (xcomp(p), xcomp(v), where == \"world\" ? 1 : xcomp(q)) +\n"
                  "       color (0, 0, 1000 * xcomp(ntransform(\"shader\", normal (1, 0, 0)))); }",
@@ -246,7 +255,9 @@ static void bound_values_replace_defaults(void **state) {
     struct harness h;
     struct harness_result result;
     const float five = 5, red[3] = {1, 0, 0};
-    harness_open(&h, "surface a(float k = 2 + 1; varying float m = 4; float list[2] = {1, 2};) { Ci = Cs * (k + m + list[1]); }",
+    harness_open(&h,
+                 "surface a(float k = 2 + 1; varying float m = 4; float list[2] = {1, 2};) { Ci = "
+                 "Cs * (k + m + list[1]); }",
                  4, NULL);
     harness_run(&h, NULL, 0, &result);
     assert_true(result.color[1][0] == 9);
@@ -260,16 +271,20 @@ static void bound_values_replace_defaults(void **state) {
 static void loops_stop_at_their_limit(void **state) {
     struct harness h;
     struct harness_result result;
-    harness_open(&h, "surface a() { float i = 0; if (s == 5) while (1 == 1) i += 1; Ci = i; }", 8, NULL);
+    harness_open(&h, "surface a() { float i = 0; if (s == 5) while (1 == 1) i += 1; Ci = i; }", 8,
+                 NULL);
     harness_run(&h, NULL, 0, &result);
     assert_true(result.overrun);
     assert_true(result.color[0][4] == 0);
     harness_close(&h);
-    harness_open(&h, "surface a(float k = 1;) { float i = 0; while (k > 0) { i += k; } Ci = i; }", 8, NULL);
+    harness_open(&h, "surface a(float k = 1;) { float i = 0; while (k > 0) { i += k; } Ci = i; }",
+                 8, NULL);
     harness_run(&h, NULL, 0, &result);
     assert_true(result.overrun);
     harness_close(&h);
-    harness_open(&h, "surface a() { float i = 0; while (s < 100) { while (s > -1) { i += 1; } } Ci = i; }", 8, NULL);
+    harness_open(
+        &h, "surface a() { float i = 0; while (s < 100) { while (s > -1) { i += 1; } } Ci = i; }",
+        8, NULL);
     harness_run(&h, NULL, 0, &result);
     assert_true(result.overrun);
     harness_close(&h);

@@ -10,15 +10,59 @@
 
 #include <cmocka.h>
 
-/* Sources that are nearly right find more than noise: seeded mutations of the corpus and the library. */
+/* Sources that are nearly right find more than noise: seeded mutations of the corpus and the
+ * library. */
 
 enum { SOURCE_MAX = 16384 };
 
-static const char *const words[] = {"float ", "color ", "point ", "uniform ", "varying ", "if (", "else ", "for (",
-                                    "while (", "break 2;", "continue;", "return ", "illuminance (P) ", "{", "}", "(", ")",
-                                    "[", "]", ";", ",", "= ", "+= ", ". ", "^ ", "? ", ": ", "noise(", "normalize(",
-                                    "transform(\"shader\", ", "s", "Ci", "N", "1e38", "0", "output ", "string ", "\"world\"",
-                                    "ambient()", "Cl", "L", "&&", "!", "surface ", "light ", "solar (", "/*", "\n"};
+static const char *const words[] = {"float ",
+                                    "color ",
+                                    "point ",
+                                    "uniform ",
+                                    "varying ",
+                                    "if (",
+                                    "else ",
+                                    "for (",
+                                    "while (",
+                                    "break 2;",
+                                    "continue;",
+                                    "return ",
+                                    "illuminance (P) ",
+                                    "{",
+                                    "}",
+                                    "(",
+                                    ")",
+                                    "[",
+                                    "]",
+                                    ";",
+                                    ",",
+                                    "= ",
+                                    "+= ",
+                                    ". ",
+                                    "^ ",
+                                    "? ",
+                                    ": ",
+                                    "noise(",
+                                    "normalize(",
+                                    "transform(\"shader\", ",
+                                    "s",
+                                    "Ci",
+                                    "N",
+                                    "1e38",
+                                    "0",
+                                    "output ",
+                                    "string ",
+                                    "\"world\"",
+                                    "ambient()",
+                                    "Cl",
+                                    "L",
+                                    "&&",
+                                    "!",
+                                    "surface ",
+                                    "light ",
+                                    "solar (",
+                                    "/*",
+                                    "\n"};
 
 static size_t mutate(char *text, size_t length, struct rng *rng) {
     int edits = 1 + (int)rng_below(rng, 6);
@@ -91,12 +135,14 @@ static void mutated_shaders_end_in_success_or_a_message(void **state) {
         }
         shader_program_destroy(program);
     }
-    assert_true(compiled > rounds / 100); /* otherwise the mutations are too wild to test the passes */
+    assert_true(compiled >
+                rounds / 100); /* otherwise the mutations are too wild to test the passes */
 }
 
 int main(int count, char **names) {
     file_count = count - 1;
     file_names = names + 1;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(mutated_shaders_end_in_success_or_a_message)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mutated_shaders_end_in_success_or_a_message)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,9 +17,10 @@ static struct shader_program *compile(const char *source, const char *const *mat
 
 static void a_parameter_is_in_the_map_whole_when_one_component_is_live(void **state) {
     const char *const material[] = {"tint", "unused", "st", NULL};
-    struct shader_program *p = compile("surface a(color tint = 1; varying float unused = 0; float k = 2;) {\n"
-                                       "  Ci = color(comp(tint, 1), k, t); }",
-                                       material);
+    struct shader_program *p =
+        compile("surface a(color tint = 1; varying float unused = 0; float k = 2;) {\n"
+                "  Ci = color(comp(tint, 1), k, t); }",
+                material);
     assert_int_equal(p->material_count, 4);
     assert_int_equal(harness_parameter(p, "tint")->map_offset, 0);
     assert_int_equal(harness_parameter(p, "t")->map_offset, 3);
@@ -45,7 +46,8 @@ static void what_cannot_reach_ci_is_dead(void **state) {
 }
 
 static void position_and_eye_are_never_sent(void **state) {
-    struct shader_program *p = compile("surface a() { Ci = color(length(P), length(I), distance(P, E)); }", NULL);
+    struct shader_program *p =
+        compile("surface a() { Ci = color(length(P), length(I), distance(P, E)); }", NULL);
     assert_int_equal(p->material_count, 0);
     assert_int_equal(p->parameter_count, 0);
     shader_program_destroy(p);
@@ -53,9 +55,9 @@ static void position_and_eye_are_never_sent(void **state) {
 
 static void predefined_variables_follow_in_their_own_order(void **state) {
     const char *const material[] = {"Cs", "late", NULL};
-    struct shader_program *p =
-        compile("surface a(float early = 0; float late = 0;) { Ci = Cs * t * s + late * zcomp(N) + early; }",
-                material);
+    struct shader_program *p = compile("surface a(float early = 0; float late = 0;) { Ci = Cs * t "
+                                       "* s + late * zcomp(N) + early; }",
+                                       material);
     assert_int_equal(harness_parameter(p, "late")->map_offset, 0);
     assert_int_equal(harness_parameter(p, "N")->map_offset, 1);
     assert_int_equal(harness_parameter(p, "s")->map_offset, 4);
@@ -67,8 +69,9 @@ static void predefined_variables_follow_in_their_own_order(void **state) {
 }
 
 static void condition_of_live_control_flow_is_live(void **state) {
-    struct shader_program *p =
-        compile("surface a(float limit = 3;) { Ci = 0; if (u > limit) Ci = 1; if (v > 1) { float z = t; } }", NULL);
+    struct shader_program *p = compile("surface a(float limit = 3;) { Ci = 0; if (u > limit) Ci = "
+                                       "1; if (v > 1) { float z = t; } }",
+                                       NULL);
     assert_true(harness_parameter(p, "u")->is_live);
     assert_true(harness_parameter(p, "limit")->is_live);
     assert_false(harness_parameter(p, "v")->is_live);

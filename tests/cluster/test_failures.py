@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contract C5: whatever goes wrong ends in seconds, with one clear message, a non-zero exit status, and nothing left
+behind; finished frames stay."""
+
+import os
+import resource
+import signal
+import socket
+import subprocess
+import time
+
+from harness import BUILD, SORTLAST, Folder, main, processes_in
+
+# a scene whose frames take a while, so that nodes can be killed in mid-frame
+SLOW = """Format 1280 1024 1
+Projection "perspective" "fov" [40]
+WorldBegin
+LightSource "point" 1 "uniform point from" [0 4 -4] "uniform float intensity" [30]
+Surface "marble"
+%s
+WorldEnd
+""" % "\n".join("AttributeBegin Translate %g %g %g Sphere 1 -1 1 360 AttributeEnd" % (i % 5 - 2, i // 5 % 5 - 2, 5 + i // 25)
+                for i in range(50))
+QUICK = """Format 64 48 1
+WorldBegin
+Surface "constant"
+Sphere 1 -1 1 360
+WorldEnd
+"""
+
+
+def node_process(folder, program, index=0):
+    for pid, line in processes_in(folder.path):
+        words = line.split()
+        if os.path.basename(words[0]) == program and ("--index" not in words or words[words.index("--index") + 1] == str(index)):
+            return pid
+    return None
+
+
+def kill_in_mid_frame(program, expected, index):
+    with Folder() as folder:
+        scene = folder.write("slow.rib", SLOW)
+        process = folder.start("render", scene, "-r", 3, "-s", 3, "--frames", 200, "-o", folder.file("slow.%04d.exr"))
+        first = folder.file("slow.0001.exr")
+        deadline = time.time() + 60
+        while not os.path.exists(first) and time.time() < deadline and process.poll() is None:
+            time.sleep(0.01)
+        assert os.path.exists(first), "no first frame: %s" % (process.communicate()[1],)
+        time.sleep(0.15)
+        pid = node_process(folder, program, index)
+        assert pid, "no such process: %s" % processes_in(folder.path)
+        begin = time.time()
+        os.kill(pid, signal.SIGKILL)
+        out, err = process.communicate(timeout=20)
+        took = time.time() - begin
+        assert process.returncode not in (0, None), "exit status %s" % process.returncode
+        errors = [line for line in err.splitlines() if line.startswith("sortlast:")]
+        assert len(errors) == 1 and expected in errors[0] and "frame" in errors[0] and "region" in errors[0], err
+        assert took < 2 + (4 if "sanitize" in BUILD else 0), "took %.1f s" % took
+        folder.assert_nothing_left()
+        names = [n for n in os.listdir(folder.path) if n not in ("tmp", "slow.rib")]
+        assert names and all(n.startswith("slow.") and n.endswith(".exr") for n in names), "left: %s" % names
+        for name in names:  # what is there is whole
+            code, out, err = folder.run("compare", folder.file(name), folder.file(name))
+            assert code == 0, "%s: %s%s" % (name, out, err)
+
+
+def test_killing_the_host():
+    kill_in_mid_frame("sortlast-host", "host", 0)
+
+
+def test_killing_a_rendering_node():
+    kill_in_mid_frame("sortlast-rendering-node", "rendering node 1", 1)
+
+
+def test_killing_a_shading_node():
+    kill_in_mid_frame("sortlast-shading-node", "shading node 2", 2)
+
+
+def test_killing_the_framebuffer_node():
+    kill_in_mid_frame("sortlast-framebuffer-node", "framebuffer node", 0)
+
+
+def test_killing_the_supervisor_leaves_nothing():
+    with Folder() as folder:
+        scene = folder.write("slow.rib", SLOW)
+        process = folder.start("render", scene, "-r", 2, "-s", 2, "--frames", 200)
+        deadline = time.time() + 30
+        while len(processes_in(folder.path)) < 6 and time.time() < deadline:
+            time.sleep(0.02)
+        time.sleep(1)
+        process.kill()
+        process.communicate()
+        folder.assert_nothing_left()
+
+
+def test_interrupt_ends_everything():
+    with Folder() as folder:
+        scene = folder.write("slow.rib", SLOW)
+        process = folder.start("render", scene, "-r", 2, "-s", 2, "--frames", 200)
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=10)
+        assert process.returncode == 128 + signal.SIGINT
+        folder.assert_nothing_left()
+
+
+def fails(folder, arguments, *words, status=None, seconds=10):
+    begin = time.time()
+    code, out, err = folder.run(*arguments, timeout=60)
+    took = time.time() - begin
+    assert code != 0, "succeeded: %s" % (arguments,)
+    assert status is None or code == status, "exit status %d: %s" % (code, err)
+    for word in words:
+        assert word in err, "%r is not in:\n%s" % (word, err)
+    assert sum(line.startswith("sortlast:") for line in err.splitlines()) == 1, err
+    assert took < seconds, "took %.1f s" % took
+    folder.assert_nothing_left()
+    return err
+
+
+DRIVERS = (["--driver", "in-process"], ["--driver", "processes", "-r", "2", "-s", "2"])
+
+
+def test_wrong_scenes_and_shaders_are_named_by_place():
+    bad = {
+        "missing.rib": (None, ["missing.rib", "No such file"]),
+        "syntax.rib": ("WorldBegin\nSphere 1 -1 [\nWorldEnd\n", ["syntax.rib:"]),
+        "noworld.rib": ("Format 10 10 1\n", ["noworld.rib", "WorldBegin"]),
+        "noshader.rib": ('WorldBegin\n  Surface "nosuch"\nSphere 1 -1 1 360\nWorldEnd\n',
+                         ["noshader.rib:2:", "nosuch"]),
+        "parameter.rib": ('WorldBegin\nSurface "matte" "uniform float Kx" [1]\nSphere 1 -1 1 360\nWorldEnd\n',
+                          ["parameter.rib:2:", "Kx", "Kd"]),
+        "type.rib": ('WorldBegin\nSurface "matte" "uniform color Kd" [1 1 1]\nSphere 1 -1 1 360\nWorldEnd\n',
+                     ["type.rib:2:", "Kd", "color"]),
+        "light.rib": ('WorldBegin\nLightSource "matte" 1\nSurface "matte"\nSphere 1 -1 1 360\nWorldEnd\n',
+                      ["light.rib:2:", "surface"]),
+        "broken.rib": ('WorldBegin\nSurface "broken"\nSphere 1 -1 1 360\nWorldEnd\n', ["broken.sl:2:", "error"]),
+        "types.rib": ('WorldBegin\nSurface "types"\nSphere 1 -1 1 360\nWorldEnd\n', ["types.sl:2:", "error"]),
+    }
+    with Folder() as folder:
+        folder.write("broken.sl", "surface broken() {\n    Ci = (1 + ;\n}\n")
+        folder.write("types.sl", "surface types() {\n    uniform float x = s;\n    Ci = x;\n}\n")
+        for name, (text, words) in bad.items():
+            if text is not None:
+                folder.write(name, text)
+            for driver in DRIVERS:
+                fails(folder, ["render", folder.file(name), "-o", folder.file("x.exr"), *driver], *words, status=1)
+                assert not os.path.exists(folder.file("x.exr"))
+
+
+def test_wrong_options_are_refused():
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        for option, value in (("-r", "0"), ("-s", "0"), ("-r", "-3"), ("-r", "1000000000"), ("-s", "x"), ("--format", "0x10"),
+                              ("--format", "10"), ("--samples", "3"), ("--frames", "0"), ("--driver", "magic"),
+                              ("--machine", "/nonexistent.json"), ("--transport", "pigeon"), ("--compression", "lots")):
+            fails(folder, ["render", scene, option, value], "sortlast:", status=1, seconds=3)
+        fails(folder, ["render"], "no scene", status=1)
+        fails(folder, ["render", "--nonsense", scene], "nonsense", status=1)
+
+
+def test_a_wrong_machine_is_named():
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        for text, words in (("{", ["m.json:1:"]), ('{"name": "x", "parameters": {}}', ["m.json", "missing"]),
+                            ('{"name": "x", "parameters": {"warp_factor": {"value": 9}}}', ["warp_factor"])):
+            fails(folder, ["render", scene, "--machine", folder.write("m.json", text)], *words, status=1)
+
+
+def test_outputs_that_cannot_be_written():
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        for driver in DRIVERS:
+            fails(folder, ["render", scene, "-o", folder.file("no/such/folder/x.exr"), *driver], "x.exr")
+            fails(folder, ["render", scene, "-q", "--json", folder.file("no/such.json"), *driver], "such.json")
+
+
+def test_a_full_disk_leaves_no_partial_picture():
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        folder.render(scene)  # shaders are compiled now
+        for driver in DRIVERS:
+            process = folder.start("render", scene, "-o", folder.file("x.exr"), "--compression", "none", *driver,
+                                   preexec_fn=limit)
+            out, err = process.communicate(timeout=60)
+            assert process.returncode != 0 and "x.exr" in err, err
+            assert not [n for n in os.listdir(folder.path) if ".exr" in n], os.listdir(folder.path)
+            folder.assert_nothing_left()
+
+
+def test_a_port_in_use_is_named():
+    with Folder() as folder, socket.socket() as taken:
+        scene = folder.write("quick.rib", QUICK)
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        endpoint = "tcp://127.0.0.1:%d" % taken.getsockname()[1]
+        result = subprocess.run([SORTLAST + "-host", "--bind", endpoint, scene], capture_output=True, text=True, timeout=20)
+        assert result.returncode == 2 and endpoint in result.stderr and "in use" in result.stderr, result.stderr
+
+
+def test_a_missing_node_is_waited_for_with_a_deadline_and_named():
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        endpoint = "ipc://" + folder.file("tmp/host")
+        host = subprocess.Popen([SORTLAST + "-host", "--bind", endpoint, "-r", "1", "-s", "1", scene], cwd=folder.path,
+                                stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        node = subprocess.Popen([SORTLAST + "-rendering-node", "--host", endpoint], cwd=folder.path,
+                                stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        host.send_signal(signal.SIGUSR1)
+        node.send_signal(signal.SIGUSR1)
+        out, err = host.communicate(timeout=40)
+        node_err = node.communicate(timeout=10)[1]
+        assert host.returncode == 2 and "shading node 0" in err and "nothing happened" in err, err
+        assert err.count("waits for 2 of 3 nodes to join") == 2, err  # on SIGUSR1 and at the end
+        assert "waits for the host" in node_err and node.returncode == 3, node_err
+        folder.assert_nothing_left()
+
+
+def test_cluster_local_runs_a_cluster_and_cleans_up():
+    script = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "cluster-local")
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        environment = folder.environment(SORTLAST_PROGRAMS=BUILD)
+        for name, code in (("quick.rib", 0), ("missing.rib", 1)):
+            result = subprocess.run([script, "2", "2", "-q", "-o", folder.file("q.exr"), folder.file(name)], env=environment,
+                                    cwd=folder.path, capture_output=True, text=True, timeout=60)
+            assert result.returncode == code, (result.returncode, result.stderr)
+            folder.assert_nothing_left()
+        folder.render(scene, "-o", folder.file("r.exr"))
+        folder.assert_same_picture(folder.file("q.exr"), folder.file("r.exr"))
+
+
+if __name__ == "__main__":
+    main(globals())

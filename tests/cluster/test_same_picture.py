@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contracts C1 and C2: the picture does not depend on node counts, driver or transport, and simulated time is the
+same wherever the same cluster is simulated."""
+
+import os
+
+from harness import SCENES, Folder, main
+
+NODES = [(1, 1), (2, 3), (5, 4), (8, 8)]
+SMALL = ["--format", "320x256", "--chord", "0.5", "--compression", "none"]
+
+
+def scenes():
+    for name in ("bowling", "bricks", "solid", "coincident"):
+        yield name, os.path.join(SCENES, name, name + ".rib")
+
+
+def times(summary):
+    return [(f["time_ps"], f["start_ps"], f["end_ps"], f["composition"], f["geometry"], f["raster_busy_ps"],
+             f["shading_busy_ps"], f["bound_by"]) for f in summary["frames"]]
+
+
+def pictures(summary):
+    return [frame["image"] for frame in summary["frames"]]
+
+
+def check_runs(folder, scene, runs):
+    """runs: (name, nodes, arguments). All pictures equal; equal node counts take equal time."""
+    reference, time_of = None, {}
+    for name, nodes, arguments in runs:
+        summary = folder.render(scene, "-r", nodes[0], "-s", nodes[1], "-o", folder.file(name + ".exr"), *SMALL,
+                                *arguments)
+        if reference is None:
+            reference = pictures(summary)
+        for a, b in zip(reference, pictures(summary)):
+            folder.assert_same_picture(a, b)
+        assert len(pictures(summary)) == len(reference)
+        assert time_of.setdefault(nodes, times(summary)) == times(summary), "%s: other times" % name
+
+
+def test_node_counts_drivers_and_transports_give_the_same_picture():
+    for name, scene in scenes():
+        runs = []
+        for r, s in NODES:
+            runs.append(("in-process-%d-%d" % (r, s), (r, s), ["--driver", "in-process"]))
+            runs.append(("processes-%d-%d" % (r, s), (r, s), ["--driver", "processes"]))
+        runs.append(("tcp", (2, 3), ["--transport", "tcp"]))
+        with Folder() as folder:
+            check_runs(folder, scene, runs)
+
+
+def test_any_order_of_events_gives_the_same_picture_and_time():
+    for name, scene in scenes():
+        with Folder() as folder:
+            check_runs(folder, scene, [("schedule-%d" % seed, (3, 2), ["--driver", "in-process", "--schedule-seed", seed])
+                                       for seed in (0, 1, 2, 3, 4)])
+
+
+def test_another_distribution_of_primitives_gives_the_same_picture():
+    for name, scene in scenes():
+        with Folder() as folder:
+            first = None
+            for seed in (1, 2, 99):
+                summary = folder.render(scene, "-r", 4, "-s", 2, "--driver", "in-process", "--seed", seed, "-o",
+                                        folder.file("seed-%d.exr" % seed), *SMALL)
+                first = first or pictures(summary)
+                for a, b in zip(first, pictures(summary)):
+                    folder.assert_same_picture(a, b)
+
+
+def test_vector_width_does_not_change_a_bit():
+    widths = {"4": None, "8": "avx2", "16": "avx512vl"}
+    flags = open("/proc/cpuinfo").read()
+    name, scene = next(scenes())
+    with Folder() as folder:
+        first = None
+        for width, flag in widths.items():
+            if flag and flag not in flags:
+                continue
+            os.environ["SORTLAST_VECTOR_WIDTH"] = width
+            try:
+                summary = folder.render(scene, "--driver", "in-process", "-o", folder.file("w%s.exr" % width), *SMALL)
+            finally:
+                del os.environ["SORTLAST_VECTOR_WIDTH"]
+            first = first or pictures(summary)
+            for a, b in zip(first, pictures(summary)):
+                folder.assert_same_picture(a, b)
+
+
+if __name__ == "__main__":
+    main(globals())
