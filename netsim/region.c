@@ -11,6 +11,8 @@ static size_t shader_plane_bytes(uint32_t sample_count) {
 
 bool region_open(const uint8_t *message_bytes, size_t length, uint32_t region_samples,
                  struct region_view *view, struct status *status) {
+    if (!wire_verify_payload(message_bytes, length, status))
+        return false;
     struct wire_reader reader = wire_payload(message_bytes, length);
     const struct region_head *head = wire_get(&reader, sizeof *head);
     if (!head)

@@ -62,8 +62,10 @@ const char *wire_kind_name(enum wire_kind kind);
 
 /* Fills in header and checksum of a message whose payload (from byte WIRE_HEADER_BYTES) is complete. */
 void wire_seal(struct message *message, struct wire_header header);
-/* Checks magic, version, kind, length and checksum. */
+/* Checks magic, version, kind, length and checksums. The payload of REGION and COLOUR is left to whoever takes it
+ * apart (region_open, colour_open call wire_verify_payload): most nodes only pass it on. */
 bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header, struct status *status);
+bool wire_verify_payload(const uint8_t *bytes, size_t length, struct status *status);
 
 /* Appends to a payload that grows. */
 struct wire_writer {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/frame_image.h"
 
-#include <math.h>
+#include <string.h>
 
 bool frame_image_create(const struct frame_payload *frame, const struct region_grid *grid,
                         struct frame_image *image, struct status *status) {
@@ -25,30 +25,65 @@ bool frame_image_create(const struct frame_payload *frame, const struct region_g
     return true;
 }
 
-void frame_image_add(struct frame_image *image, uint32_t region, const struct colour_view *colours) {
-    const struct region_grid *grid = &image->grid;
+static uint64_t count_not_finite(const float *values, uint32_t count) {
+    uint32_t bad = 0;
+    for (uint32_t k = 0; k < count; k++)
+        bad += !(values[k] - values[k] == 0);
+    return bad;
+}
+
+/* A stretch of samples in one row, one sample a pixel: nothing to blend. */
+static void copy_samples(struct frame_image *image, const struct colour_view *colours, uint32_t at,
+                         size_t pixel, uint32_t count) {
+    memcpy(image->red + pixel, colours->color[0] + at, count * sizeof(float));
+    memcpy(image->green + pixel, colours->color[1] + at, count * sizeof(float));
+    memcpy(image->blue + pixel, colours->color[2] + at, count * sizeof(float));
+    memcpy(image->depth + pixel, colours->depth + at, count * sizeof(float));
+    for (uint32_t k = 0; k < count; k++) {
+        image->alpha[pixel + k] = 1;
+        image->shader[pixel + k] = colours->shader[at + k];
+    }
+}
+
+static void blend_samples(struct frame_image *image, const struct colour_view *colours, uint32_t at,
+                          uint32_t x, uint32_t y, uint32_t count) {
     const uint32_t sx = image->frame.samples_x, sy = image->frame.samples_y;
     const float weight = 1.0f / (float)(sx * sy);
+    const size_t row = (size_t)(y / sy) * image->frame.width;
+    for (uint32_t k = 0; k < count; k++, at++) {
+        const size_t pixel = row + (x + k) / sx;
+        image->red[pixel] += colours->color[0][at] * weight;
+        image->green[pixel] += colours->color[1][at] * weight;
+        image->blue[pixel] += colours->color[2][at] * weight;
+        if (image->alpha[pixel] == 0 || colours->depth[at] < image->depth[pixel]) {
+            image->depth[pixel] = colours->depth[at];
+            image->shader[pixel] = colours->shader[at];
+        }
+        image->alpha[pixel] += weight;
+    }
+}
+
+void frame_image_add(struct frame_image *image, uint32_t region, const struct colour_view *colours) {
+    const struct region_grid *grid = &image->grid;
+    const bool is_blended = image->frame.samples_x * image->frame.samples_y > 1;
     uint32_t x0, y0, at = 0;
     region_grid_origin(grid, region, &x0, &y0);
+    for (int c = 0; c < 3; c++)
+        image->nan_colours += count_not_finite(colours->color[c], colours->head.sample_count);
     for (uint32_t r = 0; r < colours->head.run_count; r++)
-        for (uint32_t k = 0; k < colours->runs[r].count; k++, at++) {
-            const uint32_t sample = colours->runs[r].first + k;
-            const uint32_t x = x0 + sample % grid->region_width, y = y0 + sample / grid->region_width;
-            if (x >= grid->samples_wide || y >= grid->samples_high)
-                continue;
-            const size_t pixel = (size_t)(y / sy) * image->frame.width + x / sx;
-            const float red = colours->color[0][at], green = colours->color[1][at],
-                        blue = colours->color[2][at];
-            image->nan_colours += !(isfinite(red) && isfinite(green) && isfinite(blue));
-            image->red[pixel] += red * weight;
-            image->green[pixel] += green * weight;
-            image->blue[pixel] += blue * weight;
-            if (image->alpha[pixel] == 0 || colours->depth[at] < image->depth[pixel]) {
-                image->depth[pixel] = colours->depth[at];
-                image->shader[pixel] = colours->shader[at];
-            }
-            image->alpha[pixel] += weight;
+        for (uint32_t done = 0, count; done < colours->runs[r].count; done += count, at += count) {
+            const uint32_t sample = colours->runs[r].first + done;
+            const uint32_t column = sample % grid->region_width;
+            const uint32_t x = x0 + column, y = y0 + sample / grid->region_width;
+            count = grid->region_width - column;
+            if (count > colours->runs[r].count - done)
+                count = colours->runs[r].count - done;
+            if (x + count > grid->samples_wide || y >= grid->samples_high)
+                continue; /* outside the picture: nodes never send such samples */
+            if (is_blended)
+                blend_samples(image, colours, at, x, y, count);
+            else
+                copy_samples(image, colours, at, (size_t)y * image->frame.width + x, count);
         }
 }
 

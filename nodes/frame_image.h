@@ -16,7 +16,7 @@ struct frame_image {
     struct region_grid grid;
     float *red, *green, *blue, *alpha, *depth;
     uint32_t *shader;
-    uint64_t nan_colours; /* samples with a component that is not finite */
+    uint64_t nan_colours; /* components of samples that are not finite */
 };
 
 bool frame_image_create(const struct frame_payload *frame, const struct region_grid *grid,

@@ -342,7 +342,7 @@ static bool finish_frame(struct host_node *self, const struct node_event *event,
         add_warning(self, text);
     }
     if (record.nan_colours) {
-        snprintf(text, sizeof text, "frame %u: %llu samples were shaded to a colour that is not finite",
+        snprintf(text, sizeof text, "frame %u: %llu colour components of samples are not finite numbers",
                  record.frame, (unsigned long long)record.nan_colours);
         add_warning(self, text);
     }

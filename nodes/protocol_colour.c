@@ -65,6 +65,8 @@ struct message *colour_seal(struct colour_draft *draft, uint32_t frame, uint32_t
 
 bool colour_open(const struct message *message, uint32_t region_samples, uint32_t rendering_nodes,
                  struct colour_view *view, struct status *status) {
+    if (!wire_verify_payload(message->bytes, message->length, status))
+        return false;
     struct wire_reader reader = wire_payload(message->bytes, message->length);
     const struct colour_head *head = wire_get(&reader, sizeof *head);
     if (!head || head->region.sample_count > region_samples ||

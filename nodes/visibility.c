@@ -23,6 +23,11 @@ struct triangle_source {
     uint32_t chunk, triangle; /* within the chunk */
 };
 
+/* A stretch of covered samples in one row that see the same triangle. */
+struct span {
+    uint32_t triangle, sample, count;
+};
+
 struct visibility {
     struct frame_payload frame;
     struct region_bins bins;
@@ -36,6 +41,8 @@ struct visibility {
     float *depth;
     uint32_t *triangle; /* UINT32_MAX: nothing there */
     float *barycentric[3]; /* by covered sample */
+    struct span *spans;
+    uint32_t span_count;
     float *screen_x, *screen_y;
     uint32_t nan_depths;
 };
@@ -157,6 +164,7 @@ static void create_scratch(struct visibility *visibility) {
     const size_t samples = (size_t)grid->region_width * grid->region_height;
     visibility->depth = memory_get(samples, sizeof(float));
     visibility->triangle = memory_get(samples, sizeof(uint32_t));
+    visibility->spans = memory_get(samples, sizeof *visibility->spans);
     for (int i = 0; i < 3; i++)
         visibility->barycentric[i] = memory_get(samples, sizeof(float));
     visibility->screen_x = memory_get(grid->region_width, sizeof(float));
@@ -209,6 +217,7 @@ void visibility_destroy(struct visibility *visibility) {
     free(visibility->primitives);
     free(visibility->depth);
     free(visibility->triangle);
+    free(visibility->spans);
     for (int i = 0; i < 3; i++)
         free(visibility->barycentric[i]);
     free(visibility->screen_x);
@@ -343,32 +352,31 @@ static void interpolate_material(const struct visibility *visibility, uint32_t t
     }
 }
 
-/* A stretch of covered samples in one row that see the same triangle. */
-struct span {
-    uint32_t triangle, sample, count;
-};
-
-static struct span next_span(const struct visibility *visibility, uint32_t from) {
-    const uint32_t width = visibility->bins.grid.region_width,
-                   samples = width * visibility->bins.grid.region_height;
-    while (from < samples && visibility->triangle[from] == UINT32_MAX)
-        from++;
-    struct span span = {from < samples ? visibility->triangle[from] : 0, from, 0};
-    const uint32_t row_end = from < samples ? (from / width + 1) * width : samples;
-    while (from + span.count < row_end && visibility->triangle[from + span.count] == span.triangle)
-        span.count++;
-    return span;
+static void find_spans(struct visibility *visibility) {
+    const uint32_t width = visibility->bins.grid.region_width, height = visibility->bins.grid.region_height;
+    visibility->span_count = 0;
+    for (uint32_t row = 0; row < height; row++) {
+        const uint32_t *triangle = visibility->triangle + (size_t)row * width;
+        for (uint32_t x = 0; x < width;) {
+            const uint32_t first = x, seen = triangle[x];
+            while (x < width && triangle[x] == seen)
+                x++;
+            if (seen != UINT32_MAX)
+                visibility->spans[visibility->span_count++] = (struct span){seen, row * width + first, x - first};
+        }
+    }
 }
 
 static struct region_head measure_region(const struct visibility *visibility) {
     struct region_head head = {.work_count = 1, .nan_depths = visibility->nan_depths};
     uint32_t end = UINT32_MAX;
-    for (struct span s = next_span(visibility, 0); s.count; s = next_span(visibility, s.sample + s.count)) {
-        const uint32_t slots = visibility->chunks[visibility->sources[s.triangle].chunk].material_count;
+    for (uint32_t i = 0; i < visibility->span_count; i++) {
+        const struct span *span = &visibility->spans[i];
+        const uint32_t slots = visibility->chunks[visibility->sources[span->triangle].chunk].material_count;
         head.slots = slots > head.slots ? slots : head.slots;
-        head.sample_count += s.count;
-        head.run_count += s.sample != end;
-        end = s.sample + s.count;
+        head.sample_count += span->count;
+        head.run_count += span->sample != end;
+        end = span->sample + span->count;
     }
     head.longest_map = head.slots;
     return head;
@@ -379,10 +387,12 @@ struct message *visibility_render(struct visibility *visibility, uint32_t frame,
     const uint32_t width = visibility->bins.grid.region_width;
     visibility->nan_depths = 0;
     cast_region(visibility, region);
+    find_spans(visibility);
     struct region_draft draft = region_draft_create(measure_region(visibility));
     draft.work[0] = (struct region_work){node.index, visibility->bins.bins[region]->triangles};
     uint32_t at = 0, run = 0;
-    for (struct span s = next_span(visibility, 0); s.count; s = next_span(visibility, s.sample + s.count)) {
+    for (uint32_t i = 0; i < visibility->span_count; i++) {
+        const struct span s = visibility->spans[i];
         interpolate_weights(visibility, s.triangle, s.sample % width, s.sample / width, at, s.count);
         interpolate_material(visibility, s.triangle, &draft, at, s.count);
         memcpy(draft.depth + at, visibility->depth + s.sample, s.count * sizeof(float));

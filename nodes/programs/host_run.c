@@ -5,7 +5,7 @@
 #include "nodes/driver_sockets.h"
 #include "nodes/framebuffer_node.h"
 #include "nodes/local_services.h"
-#include "nodes/programs/program_signals.h"
+#include "nodes/programs/program_process.h"
 #include "nodes/programs/render_report.h"
 #include "nodes/rendering_node.h"
 #include "nodes/shading_node.h"
@@ -84,6 +84,7 @@ int host_run(const struct render_options *options) {
     struct render_progress progress;
     struct node *host = NULL;
     program_signals_install();
+    program_memory_keep();
     trace_init(&trace, options->driver == DRIVER_IN_PROCESS ? "cluster" : "host",
                options->verbosity > 0 ? stderr : NULL);
     struct local_services *services = local_services_create(&trace);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/programs/local_cluster.h"
 
-#include "nodes/programs/program_signals.h"
+#include "nodes/programs/program_process.h"
 #include "nodes/status_board.h"
 
 #include <dirent.h>

@@ -4,7 +4,7 @@
 #include "nodes/driver_sockets.h"
 #include "nodes/framebuffer_node.h"
 #include "nodes/local_services.h"
-#include "nodes/programs/program_signals.h"
+#include "nodes/programs/program_process.h"
 #include "nodes/rendering_node.h"
 #include "nodes/shading_node.h"
 
@@ -116,6 +116,7 @@ int main(int argc, char **argv) {
     if (end)
         return end - 1;
     program_signals_install();
+    program_memory_keep();
     trace_init(&trace, node_address_name((struct node_address){NODE_PROGRAM_ROLE, options.index}, name),
                options.is_verbose ? stderr : NULL);
     options.sockets.stop = &program_stop;

@@ -37,7 +37,7 @@ surface bowling_pin(float height = 1;
     /* rubbed patches around the belly, broken up by fine scratches that run around the pin */
     float belly = smoothstep(0.05, 0.2, up) * (1 - smoothstep(0.38, 0.5, up));
     float patch = smoothstep(0.5, 0.68, noise(Q * 7));
-    float scratch = smoothstep(0.45, 0.75, noise(point (xcomp(Q) * 14, up * 90, zcomp(Q) * 14)));
+    float scratch = smoothstep(0.5, 0.75, noise(point (xcomp(Q) * 40, up * 130, zcomp(Q) * 40)));
     float worn = scuffs * belly * patch * scratch;
     base = mix(base, scuffcolor, worn);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "nodes/programs/program_signals.h"
+#include "nodes/programs/program_process.h"
 
+#include <malloc.h>
 #include <stddef.h>
 
 volatile sig_atomic_t program_stop;
@@ -21,4 +22,11 @@ void program_signals_install(void) {
     sigaction(SIGUSR1, &(struct sigaction){.sa_handler = ask_to_describe}, NULL);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
+}
+
+void program_memory_keep(void) {
+    enum { LARGEST_KEPT = 32 << 20, MOST_UNUSED = 256 << 20 };
+    mallopt(M_MMAP_THRESHOLD, LARGEST_KEPT);
+    mallopt(M_TRIM_THRESHOLD, MOST_UNUSED);
+    mallopt(M_ARENA_MAX, 2);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#ifndef PROGRAM_SIGNALS_H
-#define PROGRAM_SIGNALS_H
+#ifndef PROGRAM_PROCESS_H
+#define PROGRAM_PROCESS_H
 
 #include <signal.h>
 
@@ -9,5 +9,9 @@
 extern volatile sig_atomic_t program_stop;     /* number of the signal, 0: none */
 extern volatile sig_atomic_t program_describe;
 void program_signals_install(void);
+
+/* Lets the allocator keep the memory of region messages instead of giving it back to the system and fetching it
+ * again, page fault by page fault, for every region. */
+void program_memory_keep(void);
 
 #endif
