@@ -33,23 +33,60 @@ static int64_t exr_writer_put(exr_const_context_t context, void *user, const voi
     return replacement_file_write(user, bytes, size, offset) ? (int64_t)size : -1;
 }
 
-/* The chunk that a thread holds, as the pipeline's user data. */
+/* The chunk that a thread holds, as the pipeline's user data. Blank chunks, of which a sparse picture has
+ * many, are compressed once a thread. */
 struct exr_chunk {
     struct exr_writer *writer;
     int number;
-    exr_result_t (*compress)(exr_encode_pipeline_t *pipeline); /* the library's own */
+    exr_result_t (*pack)(exr_encode_pipeline_t *pipeline); /* the library's own */
+    exr_result_t (*compress)(exr_encode_pipeline_t *pipeline);
+    bool is_blank; /* every value of every channel is 0 */
+    uint8_t *blank; /* the last blank chunk, compressed; NULL: none yet */
+    uint64_t blank_bytes, blank_packed_bytes;
+    int blank_lines;
 };
+
+static bool exr_chunk_is_known_blank(const exr_encode_pipeline_t *pipeline) {
+    const struct exr_chunk *chunk = pipeline->encoding_user_data;
+    return chunk->is_blank && chunk->blank && chunk->blank_lines == pipeline->chunk.height;
+}
+
+static exr_result_t exr_writer_pack(exr_encode_pipeline_t *pipeline) {
+    const struct exr_chunk *chunk = pipeline->encoding_user_data;
+    if (!exr_chunk_is_known_blank(pipeline))
+        return chunk->pack(pipeline);
+    pipeline->packed_bytes = chunk->blank_packed_bytes; /* without it nothing would be compressed */
+    return EXR_ERR_SUCCESS;
+}
+
+static void exr_chunk_keep_blank(struct exr_chunk *chunk, const exr_encode_pipeline_t *pipeline) {
+    free(chunk->blank);
+    chunk->blank = malloc(pipeline->compressed_bytes);
+    if (!chunk->blank)
+        return;
+    memcpy(chunk->blank, pipeline->compressed_buffer, pipeline->compressed_bytes);
+    chunk->blank_bytes = pipeline->compressed_bytes;
+    chunk->blank_packed_bytes = pipeline->packed_bytes;
+    chunk->blank_lines = pipeline->chunk.height;
+}
 
 /* A reader takes a chunk as long as its pixels for uncompressed. The library's ZIP up to 3.4.7
  * writes compressed bytes of just that length now and then, which nobody can read back (OpenEXR
  * issue 2306). */
 static exr_result_t exr_writer_compress(exr_encode_pipeline_t *pipeline) {
     struct exr_chunk *chunk = pipeline->encoding_user_data;
+    if (exr_chunk_is_known_blank(pipeline)) {
+        memcpy(pipeline->compressed_buffer, chunk->blank, chunk->blank_bytes);
+        pipeline->compressed_bytes = chunk->blank_bytes;
+        return EXR_ERR_SUCCESS;
+    }
     exr_result_t result = chunk->compress(pipeline);
     if (result == EXR_ERR_SUCCESS && pipeline->compressed_bytes >= pipeline->packed_bytes) {
         memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
         pipeline->compressed_bytes = pipeline->packed_bytes;
     }
+    if (result == EXR_ERR_SUCCESS && chunk->is_blank)
+        exr_chunk_keep_blank(chunk, pipeline);
     return result;
 }
 
@@ -117,6 +154,19 @@ static uint64_t exr_chunk_bind(const struct exr_writer *writer, int first_line,
     return clamped;
 }
 
+static bool exr_lines_are_blank(const struct exr_writer *writer, int first_line, int lines) {
+    const size_t width = (size_t)writer->image->width;
+    for (int c = 0; c < writer->image->channel_count; c++) {
+        const uint32_t *values = writer->channels[c]->integers + (size_t)first_line * width;
+        uint32_t any = 0;
+        for (size_t i = 0; i < (size_t)lines * width; i++)
+            any |= values[i];
+        if (any)
+            return false;
+    }
+    return true;
+}
+
 static exr_result_t exr_chunk_write(struct exr_writer *writer, struct exr_chunk *chunk,
                                     exr_encode_pipeline_t *pipeline, bool *started,
                                     uint16_t *halves, uint64_t *clamped) {
@@ -137,9 +187,14 @@ static exr_result_t exr_chunk_write(struct exr_writer *writer, struct exr_chunk 
         if (result != EXR_ERR_SUCCESS)
             return result;
         chunk->compress = pipeline->compress_fn;
-        if (pipeline->compress_fn)
+        if (pipeline->compress_fn) {
             pipeline->compress_fn = exr_writer_compress;
+            chunk->pack = pipeline->convert_and_pack_fn;
+            if (chunk->pack)
+                pipeline->convert_and_pack_fn = exr_writer_pack;
+        }
     }
+    chunk->is_blank = chunk->compress && exr_lines_are_blank(writer, line, info.height);
     pipeline->encoding_user_data = chunk;
     pipeline->yield_until_ready_fn = exr_writer_wait;
     return exr_encoding_run(writer->context, 0, pipeline);
@@ -166,6 +221,7 @@ static void *exr_writer_work(void *argument) {
     if (started)
         exr_encoding_destroy(writer->context, &pipeline);
     free(halves);
+    free(chunk.blank);
     pthread_mutex_lock(&writer->mutex);
     writer->clamped += clamped;
     pthread_mutex_unlock(&writer->mutex);
