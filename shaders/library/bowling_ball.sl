@@ -13,7 +13,7 @@
  * windowcolor, windowx, windowy, windowwidth, windowheight  as in bowling_pin
  */
 surface bowling_ball(float radius = 1;
-                     color darkcolor = color (0.008, 0.012, 0.06); color brightcolor = color (0.01, 0.07, 0.26);
+                     color darkcolor = color (0.008, 0.012, 0.06); color brightcolor = color (0.012, 0.09, 0.36);
                      color veincolor = color (0.10, 0.36, 0.62); float swirls = 1.6; float holesize = 0.115;
                      float Ka = 1; float Kd = 0.8; float mirror = 1;
                      color floorcolor = color (0.30, 0.18, 0.09); color skycolor = color (0.20, 0.22, 0.26);
@@ -25,7 +25,7 @@ surface bowling_ball(float radius = 1;
     float stir = noise(S);
     float fold = noise(S * 1.7 + 4 * vector (stir, 0.5 - stir, stir));
     float thread = noise(S * 3 + 6 * vector (fold, stir, 1 - fold));
-    color resin = mix(darkcolor, brightcolor, smoothstep(0.3, 0.7, fold));
+    color resin = mix(darkcolor, brightcolor, smoothstep(0.35, 0.65, fold));
     resin = mix(resin, veincolor, 0.5 * (1 - smoothstep(0.0, 0.07, abs(thread - 0.5))));
 
     /* Two fingers and a thumb: the distance to the nearest hole. */

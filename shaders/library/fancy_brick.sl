@@ -35,7 +35,7 @@ surface fancy_brick(float width = 0.25; float height = 0.1; float mortar = 0.012
     float row = floor(b);
     float ss = s + (mod(row, 2) == 0 ? width / 2 : 0);
     float column = floor(ss / width);
-    float fray = 0.6 * bevel * coarse;
+    float fray = 0.5 * bevel * coarse;
     float slope_s, slope_t;
     float on_s = profile(ss - column * width + fray, width, mortar, bevel, slope_s);
     float on_t = profile(t - row * height + fray, height, mortar, bevel, slope_t);

@@ -16,7 +16,7 @@
 void ripple(float cs, ct, frequency, phase, fade; output vector slope) {
     float ds = s - cs;
     float dt = t - ct;
-    float r = sqrt(ds * ds + dt * dt) + 0.0001;
+    float r = sqrt(ds * ds + dt * dt) + 0.02; /* rounds off the tip in the middle */
     float height = cos(6.2831853 * (frequency * r - phase)) / (1 + fade * r * r);
     slope += vector (ds / r, dt / r, 0) * height;
 }
@@ -28,12 +28,12 @@ color environment_color(point from; vector direction; color skycolor, hazecolor,
     float far = (ycomp(from) + floorheight) / down;
     float fx = (xcomp(from) + far * xcomp(direction)) / tilesize;
     float fz = (zcomp(from) + far * zcomp(direction)) / tilesize;
-    /* two square waves with edges that soften with distance, multiplied */
+    /* two square waves with edges that soften with distance, multiplied: the tiles of checker, with s and t at x and z */
     float blur = clamp(0.02 * abs(far) / tilesize, 0.02, 0.5);
-    float ax = abs(mod(fx, 2) - 1) - 0.5;
-    float az = abs(mod(fz, 2) - 1) - 0.5;
-    float check = 0.5 + 0.5 * (2 * smoothstep(-blur, blur, ax) - 1) * (2 * smoothstep(-blur, blur, az) - 1);
-    color floor_color = mix(mix(tilecolor, othertile, check), hazecolor, smoothstep(2, 40, abs(far)));
+    float ax = abs(mod(fx - 0.5, 2) - 1) - 0.5;
+    float az = abs(mod(fz - 0.5, 2) - 1) - 0.5;
+    float check = 0.5 - 0.5 * (2 * smoothstep(-blur, blur, ax) - 1) * (2 * smoothstep(-blur, blur, az) - 1);
+    color floor_color = mix(mix(tilecolor, othertile, check), hazecolor, smoothstep(3 * tilesize, 30 * tilesize, abs(far)));
     float high = max(rise, 0.05);
     float cloud = noise(point (2 * xcomp(direction) / high, 3, 2 * zcomp(direction) / high));
     cloud = smoothstep(0.5, 0.8, cloud) * smoothstep(0.05, 0.3, rise);

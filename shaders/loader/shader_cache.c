@@ -22,17 +22,20 @@ extern char **environ;
 
 enum { PATH_BYTES = 4096, COMPILER_FLAGS_MAX = 32, COMPILE_DEADLINE_S = 120 };
 
-/* How wide vectors are compiled, widest first. */
+/* How wide vectors are compiled, best first. Results are the same bits with each. */
 static const struct vector_width {
     int lanes;
     const char *name;
-    const char *flags[6];
+    const char *flags[7];
 } vector_widths[] = {
+    {16, "16 lanes (AVX-512, byte permutes)", {"-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl",
+                                               "-mavx512vbmi", "-mprefer-vector-width=512", NULL}},
     {16, "16 lanes (AVX-512)", {"-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl",
                                 "-mprefer-vector-width=512", NULL}},
     {8, "8 lanes (AVX2)", {"-mavx2", NULL}},
     {4, "4 lanes (SSE2)", {NULL}},
 };
+enum { WIDTH_AVX512_VBMI, WIDTH_AVX512, WIDTH_AVX2, WIDTH_SSE2, WIDTH_COUNT };
 
 struct loaded_module {
     uint64_t key;
@@ -49,16 +52,30 @@ struct shader_cache {
     size_t module_count, module_capacity;
 };
 
+static bool processor_has(int width) {
+    __builtin_cpu_init();
+    const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+    switch (width) {
+    case WIDTH_AVX512_VBMI:
+        return avx512 && __builtin_cpu_supports("avx512vbmi");
+    case WIDTH_AVX512:
+        return avx512;
+    case WIDTH_AVX2:
+        return __builtin_cpu_supports("avx2");
+    default:
+        return true;
+    }
+}
+
+/* The best the processor has, or the best of the number of lanes asked for. */
 static const struct vector_width *choose_width(void) {
     const char *wanted = getenv("SORTLAST_VECTOR_WIDTH");
-    for (size_t i = 0; i < sizeof vector_widths / sizeof *vector_widths; i++)
-        if (wanted && atoi(wanted) == vector_widths[i].lanes)
-            return &vector_widths[i];
-    __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl"))
-        return &vector_widths[0];
-    return __builtin_cpu_supports("avx2") ? &vector_widths[1] : &vector_widths[2];
+    for (int pass = wanted ? 0 : 1; pass < 2; pass++)
+        for (int i = 0; i < WIDTH_COUNT; i++)
+            if (processor_has(i) && (pass || atoi(wanted) == vector_widths[i].lanes))
+                return &vector_widths[i];
+    return &vector_widths[WIDTH_SSE2];
 }
 
 static bool make_folder(const char *path, struct status *status) {
@@ -150,7 +167,7 @@ bool shader_cache_open(struct shader_cache **out, struct status *status) {
         shader_cache_close(cache);
         return false;
     }
-    cache->salt = hash_string(cache->compiler, cache->salt + (uint64_t)cache->width->lanes);
+    cache->salt = hash_string(cache->compiler, cache->salt + (uint64_t)(cache->width - vector_widths));
     *out = cache;
     return true;
 }

@@ -44,7 +44,7 @@ SIMD_FUNCTION vf vf_cos_fast(vf x) {
     return vf_canonical((vf)((vi)value ^ ((vi)shifted << 31)));
 }
 
-/* Relative error below 3.5e-3 for |x| <= 8 outside the last ulps before a pole; odd, tan(+-0) =
+/* Relative error below 3.5e-3 for |x| <= 8192; odd, tan(+-0) =
  * +-0. */
 SIMD_FUNCTION vf vf_tan_fast(vf x) {
     const float quarter_pi = 0.5f * FAST_HALF_PI;

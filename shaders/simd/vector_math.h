@@ -14,14 +14,15 @@
 #include "vector_types.h"
 
 /* The functions of one float, of two, and of three: VECTOR_FUNCTIONS_1(F) is F(sqrt) F(abs) ... */
-#define VECTOR_FUNCTIONS_1(F)                                                                      \
-    F(sqrt)                                                                                        \
-    F(abs) F(floor) F(ceil) F(round) F(inversesqrt) F(sin) F(cos) F(tan) F(asin) F(acos) F(atan)   \
-        F(exp) F(exp2) F(log) F(log2) F(sin_fast) F(cos_fast) F(tan_fast) F(asin_fast)             \
-            F(acos_fast) F(atan_fast) F(exp_fast) F(exp2_fast) F(log_fast) F(log2_fast) F(noise1)
-#define VECTOR_FUNCTIONS_2(F)                                                                      \
+/* clang-format off */
+#define VECTOR_FUNCTIONS_1(F) \
+    F(sqrt) F(abs) F(floor) F(ceil) F(round) F(inversesqrt) F(sin) F(cos) F(tan) F(asin) F(acos) F(atan) F(exp) \
+    F(exp2) F(log) F(log2) F(sin_fast) F(cos_fast) F(tan_fast) F(asin_fast) F(acos_fast) F(atan_fast) \
+    F(exp_fast) F(exp2_fast) F(log_fast) F(log2_fast) F(noise1)
+#define VECTOR_FUNCTIONS_2(F) \
     F(min) F(max) F(mod) F(atan2) F(pow) F(atan2_fast) F(pow_fast) F(noise2)
 #define VECTOR_FUNCTIONS_3(F) F(noise3) F(snoise3)
+/* clang-format on */
 
 #define SCALAR_TWIN_1(name)                                                                        \
     SIMD_FUNCTION float sf_##name(float x) {                                                       \
