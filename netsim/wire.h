@@ -36,7 +36,8 @@ enum { WIRE_VERSION = 1, WIRE_HEADER_BYTES = 64 };
     X(FAILURE, "failure", "any node", "host")                                                                \
     X(QUIT, "quit", "host", "all")                                                                           \
     X(GOODBYE, "goodbye", "framebuffer node", "host")                                                        \
-    X(PROBE, "probe", "host", "all")
+    X(PROBE, "probe", "host", "all")                                                                         \
+    X(SHARED, "shared memory", "any node", "another on the same machine")
 
 enum wire_kind {
 #define WIRE_KIND_ENUM(name, text, from, to) WIRE_##name,

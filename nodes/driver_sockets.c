@@ -195,6 +195,8 @@ static int try_send(struct socket_driver *driver, struct peer *peer, struct mess
 /* Takes over the hold. */
 static bool send_to(struct socket_driver *driver, struct peer *peer, struct message *message,
                     struct status *status) {
+    if (!is_host(driver) && peer->address.role != NODE_HOST)
+        message = shared_pool_share(driver->options->pool, message);
     if (!peer->queue_count) {
         const int sent = try_send(driver, peer, message, status);
         if (sent < 0)
@@ -322,6 +324,16 @@ static bool take_greeting(struct socket_driver *driver, const struct message *me
     return step(driver, &(struct node_event){.kind = NODE_START}, status);
 }
 
+static bool dispatch_shared(struct socket_driver *driver, const struct message *reference, struct status *status) {
+    struct node_event event = {.kind = NODE_MESSAGE};
+    if (!shared_pool_receive(driver->options->pool, reference, &event.message, status))
+        return false;
+    const bool ok = wire_open(event.message->bytes, event.message->length, &event.header, status) &&
+                    step(driver, &event, status);
+    message_release(event.message);
+    return ok;
+}
+
 static bool dispatch(struct socket_driver *driver, struct message *message, struct status *status) {
     struct node_event event = {.kind = NODE_MESSAGE, .message = message};
     clock_gettime(CLOCK_MONOTONIC, &driver->last_news);
@@ -339,6 +351,8 @@ static bool dispatch(struct socket_driver *driver, struct message *message, stru
         break;
     case WIRE_PROBE:
         return true;
+    case WIRE_SHARED:
+        return dispatch_shared(driver, message, status);
     default:
         break;
     }
@@ -500,14 +514,19 @@ static bool loop(struct socket_driver *driver, struct status *status) {
     return true;
 }
 
-static void close_driver(struct socket_driver *driver) {
+/* `linger_ms`: how long what was sent may still take to leave. */
+static void close_driver(struct socket_driver *driver, int linger_ms) {
+    if (driver->control)
+        set_option(driver->control, ZMQ_LINGER, linger_ms);
     for (size_t i = 0; i < driver->peer_count; i++) {
         struct peer *peer = &driver->peers[i];
         for (size_t m = 0; m < peer->queue_count; m++)
             message_release(peer->queue[peer->queue_first + m]);
         free(peer->queue);
-        if (peer->push)
+        if (peer->push) {
+            set_option(peer->push, ZMQ_LINGER, linger_ms);
             zmq_close(peer->push);
+        }
     }
     free(driver->peers);
     /* in this order: libzmq's own thread blocks on an event that nobody can receive any more */
@@ -555,6 +574,8 @@ bool driver_sockets_run(struct node *node, const struct socket_options *options,
     ok = ok && loop(&driver, status);
     if (!ok)
         report_failure(&driver, status);
-    close_driver(&driver);
+    /* asked to stop, or the cluster has come apart: nobody waits for what is still under way */
+    const bool is_hopeless = !ok && (status->code == STATUS_OK || status->code == STATUS_LOST);
+    close_driver(&driver, is_hopeless ? 0 : LINGER_MS);
     return ok;
 }

@@ -3,6 +3,7 @@
 #define DRIVER_SOCKETS_H
 
 #include "nodes/node.h"
+#include "nodes/shared_pool.h"
 #include "nodes/status_board.h"
 
 #include <signal.h>
@@ -21,6 +22,7 @@ struct socket_options {
     uint32_t rendering_nodes, shading_nodes; /* host only: who must say hello */
     int deadline_s;     /* longest silence that is believed to be work */
     struct status_board_entry *board; /* may be NULL */
+    struct shared_pool *pool;         /* may be NULL: all bytes go through sockets */
     const volatile sig_atomic_t *stop;     /* set by a signal: leave quietly */
     volatile sig_atomic_t *describe;       /* set by SIGUSR1: say what the node waits for */
 };

@@ -2,6 +2,7 @@
 #include "nodes/programs/local_cluster.h"
 
 #include "nodes/programs/program_process.h"
+#include "nodes/shared_pool.h"
 #include "nodes/status_board.h"
 
 #include <dirent.h>
@@ -18,7 +19,7 @@
 
 enum {
     CAUSE_PATIENCE_MS = 1500, /* how long to wait for the cause when a node says it lost another */
-    LEAVE_PATIENCE_MS = 2000, /* how long nodes get to leave when asked */
+    LEAVE_PATIENCE_MS = 10000, /* how long nodes get to leave: finished frames are still being written */
     POLL_MS = 5,
     ARGUMENTS_MAX = 16,
 };
@@ -34,7 +35,7 @@ struct local_cluster {
     struct child *children; /* the host first */
     uint32_t count;
     struct status_board_entry *board;
-    int board_descriptor;
+    int board_descriptor, pool_descriptor; /* the latter -1: no shared memory */
     char folder[4096];   /* private, for the sockets */
     char endpoint[4200]; /* of the host */
     char programs[3072]; /* folder of the node programs */
@@ -145,7 +146,7 @@ static bool start_host(struct local_cluster *cluster, int argument_count, char *
 
 static bool start_node(struct local_cluster *cluster, uint32_t entry, struct node_address address,
                        struct status *status) {
-    char index[16], board[48], deadline[16];
+    char index[16], board[48], pool[48], deadline[16];
     snprintf(index, sizeof index, "%u", address.index);
     snprintf(board, sizeof board, "%d:%u", cluster->board_descriptor, entry);
     snprintf(deadline, sizeof deadline, "%d", cluster->options->deadline_s);
@@ -153,8 +154,14 @@ static bool start_node(struct local_cluster *cluster, uint32_t entry, struct nod
                                        "--index",                       index,        "--status-board",
                                        board,                           "--deadline", deadline,
                                        "--supervised"};
+    int count = 10;
     if (cluster->options->verbosity > 0)
-        list[10] = "--verbose";
+        list[count++] = "--verbose";
+    if (cluster->pool_descriptor >= 0) {
+        snprintf(pool, sizeof pool, "%d:%u", cluster->pool_descriptor, entry);
+        list[count++] = "--shared-pool";
+        list[count++] = pool;
+    }
     cluster->children[entry].address = address;
     return start(cluster, &cluster->children[entry], list, status);
 }
@@ -167,6 +174,9 @@ static bool start_all(struct local_cluster *cluster, int argument_count, char **
     cluster->board_descriptor = status_board_create(cluster->count, &cluster->board);
     if (cluster->board_descriptor < 0)
         return status_fail(status, STATUS_IO, "cannot make shared memory: %s", strerror(errno));
+    /* over tcp the nodes are to do as they would on several machines */
+    if (cluster->options->transport == TRANSPORT_IPC)
+        cluster->pool_descriptor = shared_pool_create(cluster->count);
     if (!program_folder(cluster->programs, sizeof cluster->programs))
         return status_fail(status, STATUS_NOT_FOUND, "cannot find the folder of the node programs");
     if (!make_folder(cluster, status))
@@ -293,7 +303,7 @@ static int supervise(struct local_cluster *cluster) {
 }
 
 int local_cluster_run(int argument_count, char **arguments, const struct render_options *options) {
-    struct local_cluster cluster = {.options = options, .board_descriptor = -1};
+    struct local_cluster cluster = {.options = options, .board_descriptor = -1, .pool_descriptor = -1};
     struct status status = {0};
     program_signals_install();
     int exit_status = 2;

@@ -302,6 +302,8 @@ static void add_default_folders(struct render_options *options) {
         snprintf(folder, sizeof folder, "%s/../share/sortlast/shaders", program);
         add_folder(options, folder, strlen(folder));
     }
+    /* a build folder outside the source tree */
+    add_folder(options, SORTLAST_SOURCE "/shaders/library", strlen(SORTLAST_SOURCE "/shaders/library"));
 }
 
 static void add_scene_folders(struct render_options *options) {
@@ -319,9 +321,13 @@ static bool read_machine(struct render_options *options, struct status *status) 
     const char *name = options->machine_file[0] ? options->machine_file : "pixelflow";
     if (strchr(name, '/') || strchr(name, '.'))
         return machine_read_file(name, &options->host.machine, status);
-    for (size_t i = 0; program_folder(program, sizeof program) && i < 2; i++) {
-        const int length = i ? snprintf(path, sizeof path, "%s/../share/sortlast/machines/%s.json", program, name)
-                             : snprintf(path, sizeof path, "%s/../machines/%s.json", program, name);
+    if (!program_folder(program, sizeof program))
+        program[0] = 0;
+    for (int place = 0; place < 3; place++) {
+        const int length =
+            place == 0   ? snprintf(path, sizeof path, "%s/../machines/%s.json", program, name)
+            : place == 1 ? snprintf(path, sizeof path, "%s/../share/sortlast/machines/%s.json", program, name)
+                         : snprintf(path, sizeof path, "%s/machines/%s.json", SORTLAST_SOURCE, name);
         if (length > 0 && (size_t)length < sizeof path && !access(path, R_OK))
             return machine_read_file(path, &options->host.machine, status);
     }

@@ -15,8 +15,8 @@
 struct node_program_options {
     struct socket_options sockets;
     uint32_t index;
-    int board;
-    unsigned board_entry;
+    int board, pool;
+    unsigned board_entry, pool_ring;
     bool is_verbose, is_supervised;
 };
 
@@ -32,6 +32,7 @@ static void print_help(void) {
            "                         give an address the others can reach, tcp://10.0.0.7:*)\n"
            "      --deadline S       how long to wait for the host to begin (default 60)\n"
            "      --status-board FD:ENTRY  inherited descriptor of a supervisor's status board\n"
+           "      --shared-pool FD:RING  inherited descriptor of memory shared by the nodes of a local cluster\n"
            "      --supervised       leave it to the supervisor to report lost nodes\n"
            "  -v, --verbose          say what it does\n"
            "  -h, --help             this text\n"
@@ -47,13 +48,14 @@ static int parse(int argc, char **argv, struct node_program_options *options) {
         {"host", required_argument, NULL, 'H'},     {"index", required_argument, NULL, 'i'},
         {"listen", required_argument, NULL, 'l'},   {"deadline", required_argument, NULL, 'd'},
         {"status-board", required_argument, NULL, 'b'}, {"supervised", no_argument, NULL, 'S'},
+        {"shared-pool", required_argument, NULL, 'p'},
         {"verbose", no_argument, NULL, 'v'},        {"help", no_argument, NULL, 'h'},
         {0},
     };
     int option;
     bool ok = true;
     char *end;
-    options->board = -1;
+    options->board = options->pool = -1;
     options->sockets.deadline_s = 60;
     while ((option = getopt_long(argc, argv, "vh", long_options, NULL)) != -1)
         switch (option) {
@@ -73,6 +75,9 @@ static int parse(int argc, char **argv, struct node_program_options *options) {
             break;
         case 'b':
             ok = ok && sscanf(optarg, "%d:%u", &options->board, &options->board_entry) == 2;
+            break;
+        case 'p':
+            ok = ok && sscanf(optarg, "%d:%u", &options->pool, &options->pool_ring) == 2;
             break;
         case 'S':
             options->is_supervised = true;
@@ -123,6 +128,8 @@ int main(int argc, char **argv) {
     options.sockets.describe = &program_describe;
     if (options.board >= 0)
         options.sockets.board = status_board_open(options.board, options.board_entry);
+    if (options.pool >= 0)
+        options.sockets.pool = shared_pool_open(options.pool, options.pool_ring);
     struct local_services *services = local_services_create(&trace);
     bool ok = create(&options, services, &trace, &node, &status) &&
               driver_sockets_run(node, &options.sockets, &status);
@@ -132,6 +139,7 @@ int main(int argc, char **argv) {
     if (!ok && status.code != STATUS_OK && !is_told)
         fprintf(stderr, "sortlast: %s: %s\n", name, status.message);
     node_destroy(node);
+    shared_pool_close(options.sockets.pool);
     local_services_destroy(services);
     return ok ? 0 : status.code == STATUS_OK ? 128 + (int)program_stop : status_exit_code(status.code);
 }

@@ -33,7 +33,8 @@ color environment_color(point from; vector direction; color skycolor, hazecolor,
     float ax = abs(mod(fx - 0.5, 2) - 1) - 0.5;
     float az = abs(mod(fz - 0.5, 2) - 1) - 0.5;
     float check = 0.5 - 0.5 * (2 * smoothstep(-blur, blur, ax) - 1) * (2 * smoothstep(-blur, blur, az) - 1);
-    color floor_color = mix(mix(tilecolor, othertile, check), hazecolor, smoothstep(3 * tilesize, 30 * tilesize, abs(far)));
+    float haze = smoothstep(3 * tilesize, 30 * tilesize, abs(far));
+    color floor_color = mix(mix(tilecolor, othertile, check), hazecolor, haze);
     float high = max(rise, 0.05);
     float cloud = noise(point (2 * xcomp(direction) / high, 3, 2 * zcomp(direction) / high));
     cloud = smoothstep(0.5, 0.8, cloud) * smoothstep(0.05, 0.3, rise);

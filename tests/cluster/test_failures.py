@@ -51,8 +51,13 @@ def kill_in_mid_frame(program, expected, index):
         assert pid, "no such process: %s" % processes_in(folder.path)
         begin = time.time()
         os.kill(pid, signal.SIGKILL)
-        out, err = process.communicate(timeout=20)
+        err = ""
+        while "sortlast:" not in err:  # progress lines may come first
+            line = process.stderr.readline()
+            assert line, "no message: %s" % err
+            err += line
         took = time.time() - begin
+        err += process.communicate(timeout=20)[1]
         assert process.returncode not in (0, None), "exit status %s" % process.returncode
         errors = [line for line in err.splitlines() if line.startswith("sortlast:")]
         assert len(errors) == 1 and expected in errors[0] and "frame" in errors[0] and "region" in errors[0], err
