@@ -20,6 +20,7 @@ enum {
     LINGER_MS = 1000,
     HEARTBEAT_MS = 1000,
     HEARTBEAT_TIMEOUT_MS = 20000,
+    WORDS_PATIENCE_NS = 400000000,
 };
 
 /* Another node as this one reaches it. */
@@ -463,6 +464,11 @@ static bool check_deadline(struct socket_driver *driver, struct status *status) 
     if (seconds_since(&driver->last_news) < limit || (!is_host(driver) && driver->is_started))
         return true; /* a node that has begun trusts the host's judgement, and its own connection to it */
     char text[512];
+    if (driver->options->supervisor) { /* all who still can say what they wait for */
+        kill(driver->options->supervisor, SIGUSR1);
+        nanosleep(&(struct timespec){0, WORDS_PATIENCE_NS}, NULL);
+        describe_on_request(driver);
+    }
     describe(driver, text, sizeof text);
     return status_fail(status, STATUS_TIMEOUT, "nothing happened for %d s: %s", limit, text);
 }

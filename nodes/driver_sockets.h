@@ -7,6 +7,7 @@
 #include "nodes/status_board.h"
 
 #include <signal.h>
+#include <sys/types.h>
 
 /* Hosts one node of a cluster in this process and connects it to the others by libzmq.
  *
@@ -25,6 +26,7 @@ struct socket_options {
     struct shared_pool *pool;         /* may be NULL: all bytes go through sockets */
     const volatile sig_atomic_t *stop;     /* set by a signal: leave quietly */
     volatile sig_atomic_t *describe;       /* set by SIGUSR1: say what the node waits for */
+    pid_t supervisor; /* hands SIGUSR1 on to all nodes when the host's deadline expires; 0: none */
 };
 
 /* Runs the node until it is finished. When another node is lost the status code is STATUS_LOST (for the host the

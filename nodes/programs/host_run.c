@@ -61,6 +61,7 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
         .board = options->board >= 0 ? status_board_open(options->board, 0) : NULL,
         .stop = &program_stop,
         .describe = &program_describe,
+        .supervisor = options->is_supervised ? getppid() : 0,
     };
     const pid_t parent = getppid();
     const bool ok = driver_sockets_run(host, &sockets, status);

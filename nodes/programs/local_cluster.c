@@ -227,6 +227,7 @@ static void end_all(struct local_cluster *cluster, bool are_leaving) {
         if (!reap(cluster))
             pause_ms(POLL_MS);
     signal_all(cluster, SIGTERM);
+    signal_all(cluster, SIGCONT); /* a stopped process would not hear it */
     for (int waited = 0; any_left(cluster) && waited < LEAVE_PATIENCE_MS; waited += POLL_MS)
         if (!reap(cluster))
             pause_ms(POLL_MS);

@@ -316,22 +316,29 @@ static void add_scene_folders(struct render_options *options) {
     add_folder(options, folder, strlen(folder));
 }
 
-static bool read_machine(struct render_options *options, struct status *status) {
-    char program[3072], path[4096 + 64];
-    const char *name = options->machine_file[0] ? options->machine_file : "pixelflow";
+bool machine_find_file(const char *name, char *path, size_t size, struct status *status) {
+    char program[3072];
     if (strchr(name, '/') || strchr(name, '.'))
-        return machine_read_file(name, &options->host.machine, status);
+        return snprintf(path, size, "%s", name) < (int)size ||
+               status_fail(status, STATUS_INVALID, "the name of the machine description is too long");
     if (!program_folder(program, sizeof program))
         program[0] = 0;
     for (int place = 0; place < 3; place++) {
         const int length =
-            place == 0   ? snprintf(path, sizeof path, "%s/../machines/%s.json", program, name)
-            : place == 1 ? snprintf(path, sizeof path, "%s/../share/sortlast/machines/%s.json", program, name)
-                         : snprintf(path, sizeof path, "%s/machines/%s.json", SORTLAST_SOURCE, name);
-        if (length > 0 && (size_t)length < sizeof path && !access(path, R_OK))
-            return machine_read_file(path, &options->host.machine, status);
+            place == 0   ? snprintf(path, size, "%s/../machines/%s.json", program, name)
+            : place == 1 ? snprintf(path, size, "%s/../share/sortlast/machines/%s.json", program, name)
+                         : snprintf(path, size, "%s/machines/%s.json", SORTLAST_SOURCE, name);
+        if (length > 0 && (size_t)length < size && !access(path, R_OK))
+            return true;
     }
-    return status_fail(status, STATUS_NOT_FOUND, "there is no machine description \"%s\"", name);
+    return status_fail(status, STATUS_NOT_FOUND,
+                       "there is no machine description \"%s\" (sortlast machine list names them)", name);
+}
+
+static bool read_machine(struct render_options *options, struct status *status) {
+    char path[4096];
+    return machine_find_file(options->machine_file[0] ? options->machine_file : "pixelflow", path, sizeof path, status) &&
+           machine_read_file(path, &options->host.machine, status);
 }
 
 static int usage_error(const struct status *status) {

@@ -30,6 +30,10 @@ struct render_options {
 int render_options_parse(int argc, char **argv, bool is_host_program, struct render_options *options);
 void render_options_finish(struct render_options *options);
 
+/* The file of a machine description: `name` itself when it looks like a path, else NAME.json among those that come
+ * with the program. */
+bool machine_find_file(const char *name, char *path, size_t size, struct status *status);
+
 /* The folder of the running program. */
 bool program_folder(char *path, size_t size);
 

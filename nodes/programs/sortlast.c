@@ -2,6 +2,7 @@
 #include "images/image_compare.h"
 #include "nodes/programs/host_run.h"
 #include "nodes/programs/local_cluster.h"
+#include "nodes/programs/machine_command.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -20,7 +21,8 @@ static int render_main(int argc, char **argv) {
 /* Verbs of the command: X(name, function, what it does) */
 #define VERBS(X)                                                                                             \
     X("render", render_main, "render a scene on a local cluster")                                            \
-    X("compare", image_compare_main, "say how far two pictures are apart")
+    X("compare", image_compare_main, "say how far two pictures are apart")                                   \
+    X("machine", machine_main, "show, list or check machine descriptions")
 
 static void print_help(FILE *stream) {
     fprintf(stream, "usage: sortlast VERB [options]\n\n"

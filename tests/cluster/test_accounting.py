@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contract C3 and the arithmetic of the paper: bytes and busy times of the networks, to the byte and picosecond."""
 
+import re
+
 from harness import Folder, main
 
 CAMERA = """Format %d %d 1
@@ -120,6 +122,19 @@ def test_an_empty_frame_is_one_word_a_region():
     assert frame["composition"]["busy_ps"] == 160 * WORD_PS
     assert frame["geometry"]["bytes"]["primitives"] == 0
     check_sums(frame)
+
+
+def test_the_machine_verb_says_where_numbers_come_from():
+    with Folder() as folder:
+        code, out, err = folder.run("machine", "show")
+        assert code == 0 and not err, err
+        lines = [line for line in out.splitlines() if "_ps " in line or "_bytes" in line]
+        assert len(lines) > 40 and all("published" in l or "ours" in l or "derived" in l for l in lines), out
+        assert re.search(r"sin_ps +81360000 +ps .*published: PF table 3", out)
+        code, out, err = folder.run("machine", "list")
+        assert code == 0 and "pixelflow" in out
+        code, out, err = folder.run("machine", "check", folder.write("bad.json", "{}"))
+        assert code == 1 and "bad.json" in err
 
 
 def test_every_sample_scene_adds_up():
