@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/visibility.h"
 
+#include "base/vector.h"
 #include "nodes/triangle_setup.h"
 
 #include <embree3/rtcore.h>
@@ -10,10 +11,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Embree decides which triangles a ray may meet; depth and the choice among them are ours (triangle_setup.h),
- * with ties to the lower primitive number. So that no candidate near the best one is culled by Embree's own,
- * less exact, distance, a ray is kept alive this much beyond the best depth found so far. */
+/* Embree decides which triangles a ray may meet; whether the sample lies inside, how deep, and which of them wins is
+ * ours (triangle_setup.h), from triangle and sample alone, with ties to the lower primitive number.
+ *
+ * Embree's own distance is used for one thing: to skip what is farther than the best hit so far. So that nothing near the
+ * best is skipped, rays are kept alive VISIBILITY_MARGIN beyond it. The distance to a triangle seen nearly edge-on is too
+ * uncertain even for that: such triangles are cast against in a scene of their own in which nothing is skipped. */
 #define VISIBILITY_MARGIN (1.0f / 256)
+
+/* How uncertain Embree's distance may be, relative to the depth, as a multiple of the float rounding error: 2^-24 of this
+ * times a factor of 64 for its arithmetic stays within half the margin. */
+#define VISIBILITY_CONDITION_MAX 512.0
 
 struct visibility_device {
     RTCDevice device;
@@ -28,6 +36,9 @@ struct span {
     uint32_t triangle, sample, count;
 };
 
+/* Triangles whose distance is certain enough to skip by, and those seen nearly edge-on. */
+enum { SCENE_SKIPPING, SCENE_CAREFUL, SCENE_COUNT };
+
 struct visibility {
     struct frame_payload frame;
     struct region_bins bins;
@@ -36,7 +47,11 @@ struct visibility {
     struct triangle_setup *setups;
     struct triangle_source *sources;
     uint32_t *primitives; /* primitive numbers */
-    RTCScene scene;
+    struct traced_scene {
+        RTCScene scene; /* NULL: no triangles */
+        uint32_t *triangles; /* Embree's number -> ours */
+        uint32_t count;
+    } scenes[SCENE_COUNT];
     /* scratch for one region, by sample index */
     float *depth;
     uint32_t *triangle; /* UINT32_MAX: nothing there */
@@ -51,6 +66,7 @@ struct visibility {
 struct packet {
     struct RTCIntersectContext context; /* first: Embree hands it to the filter */
     struct visibility *visibility;
+    const struct traced_scene *scene;
     float x[16], y[16];
     float depth[16];
     uint32_t triangle[16];
@@ -74,6 +90,19 @@ void visibility_device_destroy(struct visibility_device *device) {
     free(device);
 }
 
+/* Is the sample inside the triangle, or so close to its edge that Embree's floats cannot tell? A sample on an edge must be
+ * inside one of the two triangles there; what Embree reports farther outside (it does, of needles) depends on what else is
+ * in its scene. */
+static bool is_inside(const struct triangle_setup *setup, double x, double y) {
+    const double tolerance = 0x1p-21 * (1 + fabs(x) + fabs(y));
+    for (int i = 0; i < 3; i++) {
+        const double *w = setup->weight[i];
+        if (w[0] * x + w[1] * y + w[2] < -tolerance * (fabs(w[0]) + fabs(w[1])))
+            return false;
+    }
+    return true;
+}
+
 /* Called for every hit Embree finds; N lanes as structure of arrays (the C API has no accessors for it). */
 static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
     enum { RAY_TFAR = 8, RAY_ID = 10, HIT_PRIMITIVE = 5 };
@@ -87,10 +116,11 @@ static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
     for (unsigned i = 0; i < lanes; i++) {
         if (!arguments->valid[i])
             continue;
-        const uint32_t lane = id[i], triangle = hit_triangle[i];
-        const float depth =
-            triangle_setup_depth(&visibility->setups[triangle], packet->x[lane], packet->y[lane]);
-        if (!(depth >= near_plane && depth <= far_plane)) {
+        const uint32_t lane = id[i], triangle = packet->scene->triangles[hit_triangle[i]];
+        const struct triangle_setup *setup = &visibility->setups[triangle];
+        const float depth = triangle_setup_depth(setup, packet->x[lane], packet->y[lane]);
+        if (!(depth >= near_plane && depth <= far_plane) ||
+            !is_inside(setup, packet->x[lane], packet->y[lane])) {
             visibility->nan_depths += depth != depth;
             arguments->valid[i] = 0;
             continue;
@@ -101,33 +131,53 @@ static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
             packet->depth[lane] = depth;
             packet->triangle[lane] = triangle;
         }
-        tfar[i] = packet->depth[lane] + fabsf(packet->depth[lane]) * VISIBILITY_MARGIN;
+        if (packet->scene == &visibility->scenes[SCENE_SKIPPING])
+            tfar[i] = packet->depth[lane] + fabsf(packet->depth[lane]) * VISIBILITY_MARGIN;
+        else
+            arguments->valid[i] = 0; /* as if missed: the ray goes on as far as it would have */
     }
 }
 
-static bool build_scene(struct visibility *visibility, RTCDevice device, const float *vertices,
-                        size_t vertex_count, const uint32_t *indices, struct status *status) {
-    visibility->scene = rtcNewScene(device);
-    rtcSetSceneFlags(visibility->scene, RTC_SCENE_FLAG_ROBUST);
+/* An Embree scene of the triangles listed in `traced`; `corners` holds the vertex numbers of all. */
+static bool build_scene(struct traced_scene *traced, RTCDevice device, const float *vertices,
+                        size_t vertex_count, const uint32_t *corners, struct status *status) {
+    if (!traced->count)
+        return true;
+    traced->scene = rtcNewScene(device);
+    rtcSetSceneFlags(traced->scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float *v = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                        3 * sizeof(float), vertex_count);
     uint32_t *t = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                          3 * sizeof(uint32_t), visibility->triangle_count);
+                                          3 * sizeof(uint32_t), traced->count);
     if (v && t) {
         memcpy(v, vertices, vertex_count * 3 * sizeof(float));
-        memcpy(t, indices, visibility->triangle_count * 3 * sizeof(uint32_t));
+        for (uint32_t i = 0; i < traced->count; i++)
+            memcpy(t + 3 * (size_t)i, corners + 3 * (size_t)traced->triangles[i], 3 * sizeof(uint32_t));
         rtcSetGeometryIntersectFilterFunction(geometry, consider_hit);
         rtcCommitGeometry(geometry);
-        rtcAttachGeometry(visibility->scene, geometry);
+        rtcAttachGeometry(traced->scene, geometry);
     }
     rtcReleaseGeometry(geometry);
-    rtcCommitScene(visibility->scene);
+    rtcCommitScene(traced->scene);
     enum RTCError error = rtcGetDeviceError(device);
     if (!v || !t || error != RTC_ERROR_NONE)
-        return status_fail(status, STATUS_LIMIT, "Embree could not build a scene of %zu triangles (error %d)",
-                           visibility->triangle_count, (int)error);
+        return status_fail(status, STATUS_LIMIT, "Embree could not build a scene of %u triangles (error %d)",
+                           traced->count, (int)error);
     return true;
+}
+
+/* By how much Embree's rounding errors grow in the distance to a triangle, relative to its depth: the size of its
+ * coordinates against the distance of its plane from the eye (perspective), or against its least depth at the slope it is
+ * seen at (orthographic). */
+static double distance_condition(const float *v0, const float *v1, const float *v2, bool is_perspective) {
+    const struct vec3 a = {v0[0], v0[1], v0[2]}, b = {v1[0], v1[1], v1[2]}, c = {v2[0], v2[1], v2[2]};
+    const struct vec3 normal = vec3_cross(vec3_subtract(b, a), vec3_subtract(c, a));
+    const double size = sqrt(fmax(vec3_dot(a, a), fmax(vec3_dot(b, b), vec3_dot(c, c))));
+    const double length = sqrt(vec3_dot(normal, normal));
+    const double certain = is_perspective ? fabs(vec3_dot(normal, a))
+                                          : fabs(normal.z) * fmin(fabs(a.z), fmin(fabs(b.z), fabs(c.z)));
+    return size * length / certain; /* infinite or not a number when seen on edge */
 }
 
 /* Collects the triangles that can be seen: set up, binned, and given to Embree under their index here. */
@@ -146,6 +196,10 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
             if (!triangle_setup_make(v[0], v[1], v[2], visibility->frame.is_perspective,
                                      &visibility->setups[count]))
                 continue;
+            const bool is_certain = distance_condition(v[0], v[1], v[2], visibility->frame.is_perspective) <
+                                    VISIBILITY_CONDITION_MAX;
+            struct traced_scene *traced = &visibility->scenes[is_certain ? SCENE_SKIPPING : SCENE_CAREFUL];
+            traced->triangles[traced->count++] = (uint32_t)count;
             visibility->sources[count] = (struct triangle_source){(uint32_t)c, t};
             visibility->primitives[count] = chunk->first_primitive + t;
             for (int i = 0; i < 3; i++)
@@ -188,11 +242,14 @@ bool visibility_create(struct visibility_device *device, const struct frame_payl
         visibility->setups = memory_get(triangles, sizeof *visibility->setups);
         visibility->sources = memory_get(triangles, sizeof *visibility->sources);
         visibility->primitives = memory_get(triangles, sizeof *visibility->primitives);
+        for (int i = 0; i < SCENE_COUNT; i++)
+            visibility->scenes[i].triangles = memory_get(triangles, sizeof(uint32_t));
         float *positions = memory_get(vertices * 3, sizeof *positions);
         uint32_t *indices = memory_get(triangles * 3, sizeof *indices);
         collect_triangles(visibility, chunk_count, positions, indices);
         if (visibility->triangle_count) {
-            ok = build_scene(visibility, device->device, positions, vertices, indices, status);
+            for (int i = 0; ok && i < SCENE_COUNT; i++)
+                ok = build_scene(&visibility->scenes[i], device->device, positions, vertices, indices, status);
             create_scratch(visibility);
         }
         free(positions);
@@ -209,8 +266,11 @@ bool visibility_create(struct visibility_device *device, const struct frame_payl
 void visibility_destroy(struct visibility *visibility) {
     if (!visibility)
         return;
-    if (visibility->scene)
-        rtcReleaseScene(visibility->scene);
+    for (int i = 0; i < SCENE_COUNT; i++) {
+        if (visibility->scenes[i].scene)
+            rtcReleaseScene(visibility->scenes[i].scene);
+        free(visibility->scenes[i].triangles);
+    }
     region_bins_finish(&visibility->bins);
     free(visibility->setups);
     free(visibility->sources);
@@ -237,8 +297,6 @@ static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, u
     struct packet packet;
     struct RTCRayHit16 rays;
     int valid[16] __attribute__((aligned(64)));
-    rtcInitIntersectContext(&packet.context);
-    packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     packet.visibility = visibility;
     const bool is_perspective = visibility->frame.is_perspective;
     for (unsigned lane = 0; lane < 16; lane++) {
@@ -257,15 +315,23 @@ static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, u
         rays.ray.dir_y[lane] = is_perspective ? y : 0;
         rays.ray.dir_z[lane] = 1;
         rays.ray.tnear[lane] = 0;
-        rays.ray.tfar[lane] = INFINITY;
         rays.ray.time[lane] = 0;
         rays.ray.mask[lane] = UINT32_MAX;
         rays.ray.id[lane] = lane;
         rays.ray.flags[lane] = 0;
-        rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-        rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect16(valid, visibility->scene, &packet.context, &rays);
+    for (int i = 0; i < SCENE_COUNT; i++) {
+        packet.scene = &visibility->scenes[i];
+        if (!packet.scene->scene)
+            continue;
+        rtcInitIntersectContext(&packet.context);
+        packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        for (unsigned lane = 0; lane < 16; lane++) {
+            rays.ray.tfar[lane] = INFINITY;
+            rays.hit.geomID[lane] = rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect16(valid, packet.scene->scene, &packet.context, &rays);
+    }
     for (unsigned dy = 0; dy < high; dy++)
         for (unsigned dx = 0; dx < wide; dx++) {
             const unsigned lane = dy * TILE_SAMPLES + dx;

@@ -48,12 +48,12 @@ static int show(const char *name) {
     cJSON *document = read_document(path);
     const cJSON *parameters = cJSON_GetObjectItemCaseSensitive(document, "parameters");
     printf("%s (%s), one tick is 1/%" PRIu64 " s\n\n", machine.name, path, machine.rate.per_s);
-    printf("%-32s %16s  %-9s %-44s  %s\n", "parameter", "value", "unit", "what it is", "source");
+    printf("%-32s %16s  %-9s %-52s  %s\n", "parameter", "value", "unit", "what it is", "source");
     for (int i = 0; i < MACHINE_VALUE_COUNT; i++) {
         const struct machine_parameter parameter = machine_parameter_at(i);
         const cJSON *entry = cJSON_GetObjectItemCaseSensitive(parameters, parameter.name);
         const cJSON *source = cJSON_GetObjectItemCaseSensitive(entry, "source");
-        printf("%-32s %16" PRId64 "  %-9s %-44s  %s\n", parameter.name, machine_value(&machine, i), parameter.unit,
+        printf("%-32s %16" PRId64 "  %-9s %-52s  %s\n", parameter.name, machine_value(&machine, i), parameter.unit,
                parameter.what, cJSON_IsString(source) ? source->valuestring : "");
     }
     cJSON_Delete(document);

@@ -2,7 +2,9 @@
 """Contracts C1 and C2: the picture does not depend on node counts, driver or transport, and simulated time is the
 same wherever the same cluster is simulated."""
 
+import math
 import os
+import random
 
 from harness import SCENES, Folder, main
 
@@ -66,6 +68,51 @@ def test_another_distribution_of_primitives_gives_the_same_picture():
                 first = first or pictures(summary)
                 for a, b in zip(first, pictures(summary)):
                     folder.assert_same_picture(a, b)
+
+
+def hostile_scenes():
+    """Needles, and large planes seen nearly edge-on, where the distances of a ray tracer are least certain."""
+    draw = random.Random(7)
+    header = 'Format 350 250 1\n%s\nWorldBegin\nSurface "constant"\n'
+    perspective, orthographic = 'Projection "perspective" "fov" [60]', 'Projection "orthographic"'
+
+    def polygon(points):
+        return "Color [%.3f %.3f %.3f]\nPolygon \"P\" [%s]\n" % (draw.random(), draw.random(), draw.random(),
+                                                              " ".join("%.9g" % x for p in points for x in p))
+    needles = ""
+    for i in range(1500):
+        x, y, z, angle = draw.uniform(-3, 3), draw.uniform(-2, 2), draw.uniform(3, 5), draw.uniform(0, 6.3)
+        dx, dy, thin = 4 * math.cos(angle), 4 * math.sin(angle), 10 ** draw.uniform(-7, -2)
+        needles += polygon([(x - dx, y - dy, z), (x + dx, y + dy, z + draw.uniform(-1, 1)), (x + thin, y + thin, z)])
+    yield "needles", header % perspective + needles + "WorldEnd\n"
+    for name, size, distance in (("near", 1e5, 0.05), ("far", 1e6, 1)):
+        planes = ""
+        for i in range(24):
+            a, tilt = draw.uniform(0, 6.3), draw.uniform(-1e-3, 1e-3)
+            u, v = (math.cos(a), math.sin(a) * 0.2, 1), (-math.sin(a), math.cos(a) * 0.2, 1 + tilt)
+            o = (0, -distance * (1 + i * 1e-4), 0)
+            planes += polygon([tuple(o[k] + size * (p * u[k] + q * v[k]) * (0.01 if k == 1 else 1) for k in range(3))
+                               for p, q in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+        yield name, header % perspective + planes + "WorldEnd\n"
+    steep = ""
+    for i in range(40):
+        x, slope = draw.uniform(-1, 1), 10 ** draw.uniform(2, 5) * draw.choice((-1, 1))
+        steep += polygon([(x - 0.5, -1, 3000 - 0.5 * slope), (x + 0.5, -1, 3000 + 0.5 * slope),
+                          (x + 0.5, 1, 3000 + 0.5 * slope), (x - 0.5, 1, 3000 - 0.5 * slope)])
+    yield "steep", header % orthographic + steep + "WorldEnd\n"
+
+
+def test_geometry_at_the_edge_of_precision_gives_the_same_picture():
+    for name, text in hostile_scenes():
+        with Folder() as folder:
+            scene, first = folder.write(name + ".rib", text), None
+            for r, s, seed in ((1, 1, 1), (3, 2, 1), (8, 8, 9), (24, 1, 1), (64, 3, 4)):
+                out = folder.file("%s-%d.exr" % (name, r))
+                summary = folder.render(scene, "-r", r, "-s", s, "--seed", seed, "--driver", "in-process", "-o", out,
+                                        "--compression", "none")
+                assert summary["frames"][0]["samples_covered"] > 10000, summary["frames"][0]["samples_covered"]
+                first = first or out
+                folder.assert_same_picture(first, out)
 
 
 def test_vector_width_does_not_change_a_bit():
