@@ -11,6 +11,7 @@
 #include "nodes/rendering_node.h"
 #include "nodes/shading_frame.h"
 #include "nodes/shading_node.h"
+#include "nodes/visibility.h"
 
 #include <embree3/rtcore.h>
 #include <math.h>
@@ -58,20 +59,23 @@ static void record_frame(const char *scene, struct machine *machine, struct loca
     static const char *const folders[] = {SHADERS};
     struct status status = {0};
     struct node *nodes[4];
+    struct visibility_device *device = NULL;
     if (!machine_read_file(MACHINES "/pixelflow.json", machine, &status))
         die(&status);
     const struct host_options options = {.scene = scene, .rendering_nodes = 1, .shading_nodes = 1, .machine = *machine,
                                          .shader_folders = folders, .shader_folder_count = 1, .frames = 1, .seed = 1};
     const struct node_services *interface = local_services_interface(services);
     const struct driver_options driver = {.tap = record, .tap_context = recording};
-    if (!host_node_create(&options, NULL, NULL, NULL, trace, &nodes[0], &status) ||
-        !rendering_node_create(0, trace, &nodes[1], &status) ||
+    if (!visibility_device_create(&device, &status) ||
+        !host_node_create(&options, NULL, NULL, NULL, trace, &nodes[0], &status) ||
+        !rendering_node_create(0, device, trace, &nodes[1], &status) ||
         !shading_node_create(0, interface, trace, &nodes[2], &status) ||
         !framebuffer_node_create(interface, trace, &nodes[3], &status) ||
         !driver_in_process_run(nodes, 4, &driver, &status))
         die(&status);
     for (int i = 0; i < 4; i++)
         node_destroy(nodes[i]);
+    visibility_device_destroy(device);
 }
 
 /* One Embree scene of all triangles, no filter, and all rays of the picture in coherent packets of 16. */
@@ -246,7 +250,7 @@ int main(int argc, char **argv) {
         return 1;
     }
     trace_init(&trace, "bench", NULL);
-    struct local_services *services = local_services_create(&trace);
+    struct local_services *services = local_services_create(&trace, NULL);
     record_frame(argv[1], &machine, services, &trace, &recording);
     table.services = local_services_interface(services);
     for (size_t i = 0; i < recording.count; i++)

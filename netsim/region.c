@@ -42,6 +42,12 @@ bool region_open(const uint8_t *message_bytes, size_t length, uint32_t region_sa
     return true;
 }
 
+uint32_t region_sample_count(const uint8_t *message_bytes, size_t length) {
+    struct wire_reader reader = wire_payload(message_bytes, length);
+    const struct region_head *head = wire_get(&reader, sizeof *head);
+    return head ? head->sample_count : 0;
+}
+
 struct region_draft region_draft_create(struct region_head head) {
     const size_t samples = head.sample_count;
     size_t bytes = WIRE_HEADER_BYTES + sizeof head + head.work_count * sizeof(struct region_work) +

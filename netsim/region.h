@@ -47,6 +47,9 @@ struct region_view {
 bool region_open(const uint8_t *message_bytes, size_t length, uint32_t region_samples,
                  struct region_view *view, struct status *status);
 
+/* The number of samples of a message that is only passed on, without a look at the rest; 0 for one too short. */
+uint32_t region_sample_count(const uint8_t *message_bytes, size_t length);
+
 /* A region message being made: exact size known beforehand. The arrays are filled by the caller through the
  * non-const twins of region_view, then region_seal. */
 struct region_draft {

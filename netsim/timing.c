@@ -172,7 +172,8 @@ bool timing_model_add_frame(struct timing_model *model, const struct timing_fram
     result->start = ticks_max(model->geometry_end, *released);
     model->geometry_end = ticks_add(result->start, result->geometry_busy);
 
-    result->end = model->geometry_end;
+    /* a frame is not over before the one before it is */
+    result->end = ticks_max(model->geometry_end, model->frame_end);
     for (uint32_t k = 0; k < frame->region_count; k++)
         add_region(model, &frame->regions[k], k, model->geometry_end, result);
     /* the frame's buffers are free when every node has rastered its last region of it */

@@ -140,6 +140,10 @@ bool driver_in_process_run(struct node **nodes, size_t count, const struct drive
         ok = step_node(&run, i, &(struct node_event){.kind = NODE_START}, status);
     while (ok && !host->is_finished) {
         struct choice choice = {0};
+        if (options->stop && *options->stop) {
+            ok = false;
+            break;
+        }
         if (!choose(&run, &choice))
             ok = describe_standstill(&run, status);
         else if (choice.link)

@@ -23,6 +23,8 @@ enum {
     WORDS_PATIENCE_NS = 400000000,
 };
 
+#define LAST_WORDS_S 0.3
+
 /* Another node as this one reaches it. */
 struct peer {
     struct node_address address;
@@ -113,6 +115,8 @@ static bool open_input(struct socket_driver *driver, char *endpoint, struct stat
     if (!takes_regions)
         return true;
     driver->input = zmq_socket(driver->context, ZMQ_PULL);
+    if (!driver->input)
+        return socket_failure("open a socket for", "regions", status);
     set_option(driver->input, ZMQ_RCVHWM, REGIONS_IN_FLIGHT);
     set_option(driver->input, ZMQ_LINGER, 0);
     if (driver->options->listen)
@@ -129,6 +133,8 @@ static bool open_input(struct socket_driver *driver, char *endpoint, struct stat
 static bool open_control(struct socket_driver *driver, struct status *status) {
     char name[24];
     driver->control = zmq_socket(driver->context, is_host(driver) ? ZMQ_ROUTER : ZMQ_DEALER);
+    if (!driver->control)
+        return socket_failure("open a socket for", "the host", status);
     set_option(driver->control, ZMQ_SNDHWM, 0);
     set_option(driver->control, ZMQ_RCVHWM, 0);
     set_option(driver->control, ZMQ_LINGER, LINGER_MS);
@@ -155,6 +161,8 @@ static bool open_control(struct socket_driver *driver, struct status *status) {
 
 static bool open_push(struct socket_driver *driver, struct peer *peer, struct status *status) {
     peer->push = zmq_socket(driver->context, ZMQ_PUSH);
+    if (!peer->push)
+        return socket_failure("open a socket for", peer->routing, status);
     set_option(peer->push, ZMQ_SNDHWM, REGIONS_IN_FLIGHT);
     set_option(peer->push, ZMQ_LINGER, LINGER_MS);
     if (!peer->endpoint[0] || zmq_connect(peer->push, peer->endpoint))
@@ -247,6 +255,7 @@ static bool step(struct socket_driver *driver, const struct node_event *event, s
         atomic_store_explicit(&driver->options->board->frame, driver->node->frame, memory_order_relaxed);
         atomic_store_explicit(&driver->options->board->region, driver->node->region, memory_order_relaxed);
     }
+    clock_gettime(CLOCK_MONOTONIC, &driver->last_news); /* own work is no silence */
     return ok;
 }
 
@@ -398,15 +407,32 @@ static bool take_disconnect(struct socket_driver *driver, struct status *status)
     return true;
 }
 
-/* What a node said before it left is in the socket already when sending to it fails: hear that first. */
+/* A node that gave up told why before it left: that is worth more than that it is gone. Listens for a moment; true when
+ * the cluster had ended well after all. */
 static bool hear_last_words(struct socket_driver *driver, struct status *loss) {
-    struct status failure = {0};
-    bool any = false;
-    if (!drain(driver, driver->control, true, SIZE_MAX, &any, &failure)) {
-        *loss = failure;
-        return false;
-    }
-    return driver->node->is_finished;
+    struct timespec begin;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    do {
+        struct status failure = {0};
+        struct message *message;
+        char routing[64];
+        while (socket_message_receive(driver->control, routing, sizeof routing, &message) > 0) {
+            struct node_event event = {.kind = NODE_MESSAGE, .message = message};
+            bool ok = true;
+            if (wire_open(message->bytes, message->length, &event.header, NULL) &&
+                (event.header.kind == WIRE_FAILURE || event.header.kind == WIRE_GOODBYE))
+                ok = step(driver, &event, &failure);
+            message_release(message);
+            if (!ok) {
+                *loss = failure;
+                return false;
+            }
+        }
+        if (driver->node->is_finished)
+            return true;
+        nanosleep(&(struct timespec){0, 5000000}, NULL);
+    } while (seconds_since(&begin) < LAST_WORDS_S);
+    return false;
 }
 
 static bool probe_peers(struct socket_driver *driver, struct status *status) {
@@ -415,8 +441,7 @@ static bool probe_peers(struct socket_driver *driver, struct status *status) {
     for (size_t i = 0; ok && i < driver->peer_count; i++)
         if (driver->peers[i].is_known && (!driver->node->is_closing ||
                                           driver->peers[i].address.role == NODE_FRAMEBUFFER))
-            ok = send_to(driver, &driver->peers[i], message_hold(probe), status) ||
-                 hear_last_words(driver, status);
+            ok = send_to(driver, &driver->peers[i], message_hold(probe), status);
     message_release(probe);
     if (seconds_since(&driver->probe_begin) > 1)
         driver->is_probing = false;
@@ -564,6 +589,7 @@ bool driver_sockets_run(struct node *node, const struct socket_options *options,
     struct socket_driver driver = {.node = node, .options = options};
     char endpoint[ENDPOINT_BYTES];
     driver.context = zmq_ctx_new();
+    zmq_ctx_set(driver.context, ZMQ_MAX_SOCKETS, (int)(options->rendering_nodes + options->shading_nodes) + 4096);
     clock_gettime(CLOCK_MONOTONIC, &driver.last_news);
     status->code = STATUS_OK;
     if (is_host(&driver))
@@ -578,6 +604,8 @@ bool driver_sockets_run(struct node *node, const struct socket_options *options,
     if (ok && options->board)
         atomic_store(&options->board->is_started, 1);
     ok = ok && loop(&driver, status);
+    if (!ok && is_host(&driver) && status->code == STATUS_LOST)
+        ok = hear_last_words(&driver, status);
     if (!ok)
         report_failure(&driver, status);
     /* asked to stop, or the cluster has come apart: nobody waits for what is still under way */

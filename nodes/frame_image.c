@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/frame_image.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 bool frame_image_create(const struct frame_payload *frame, const struct region_grid *grid,
                         struct frame_image *image, struct status *status) {
     *image = (struct frame_image){.frame = *frame, .grid = *grid};
+    image->is_row_covered = memory_get(frame->height, sizeof *image->is_row_covered);
     if (!image_create((int)frame->width, (int)frame->height, &image->image, status))
         return false;
     static const char *const names[] = {"R", "G", "B", "A", "Z"};
@@ -48,18 +50,18 @@ static void copy_samples(struct frame_image *image, const struct colour_view *co
 static void blend_samples(struct frame_image *image, const struct colour_view *colours, uint32_t at,
                           uint32_t x, uint32_t y, uint32_t count) {
     const uint32_t sx = image->frame.samples_x, sy = image->frame.samples_y;
-    const float weight = 1.0f / (float)(sx * sy);
+    image->is_row_covered[y / sy] = true;
     const size_t row = (size_t)(y / sy) * image->frame.width;
     for (uint32_t k = 0; k < count; k++, at++) {
         const size_t pixel = row + (x + k) / sx;
-        image->red[pixel] += colours->color[0][at] * weight;
-        image->green[pixel] += colours->color[1][at] * weight;
-        image->blue[pixel] += colours->color[2][at] * weight;
+        image->red[pixel] += colours->color[0][at];
+        image->green[pixel] += colours->color[1][at];
+        image->blue[pixel] += colours->color[2][at];
         if (image->alpha[pixel] == 0 || colours->depth[at] < image->depth[pixel]) {
             image->depth[pixel] = colours->depth[at];
             image->shader[pixel] = colours->shader[at];
         }
-        image->alpha[pixel] += weight;
+        image->alpha[pixel] += 1;
     }
 }
 
@@ -87,7 +89,19 @@ void frame_image_add(struct frame_image *image, uint32_t region, const struct co
         }
 }
 
+/* Sums of samples become means; a pixel whose samples are all covered has exactly 1 in alpha. */
+static void divide_by_samples(struct frame_image *image) {
+    const float samples = (float)(image->frame.samples_x * image->frame.samples_y);
+    float *const planes[] = {image->red, image->green, image->blue, image->alpha};
+    for (uint32_t y = 0; y < image->frame.height; y++)
+        for (int p = 0; p < 4 && image->is_row_covered[y]; p++)
+            for (size_t x = 0, row = (size_t)y * image->frame.width; x < image->frame.width; x++)
+                planes[p][row + x] /= samples;
+}
+
 struct image *frame_image_take(struct frame_image *image) {
+    if (image->frame.samples_x * image->frame.samples_y > 1)
+        divide_by_samples(image);
     struct image *taken = image->image;
     image->image = NULL;
     return taken;
@@ -95,5 +109,6 @@ struct image *frame_image_take(struct frame_image *image) {
 
 void frame_image_finish(struct frame_image *image) {
     image_destroy(image->image);
+    free(image->is_row_covered);
     *image = (struct frame_image){0};
 }

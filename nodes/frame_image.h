@@ -16,6 +16,7 @@ struct frame_image {
     struct region_grid grid;
     float *red, *green, *blue, *alpha, *depth;
     uint32_t *shader;
+    bool *is_row_covered; /* by pixel row; only where samples are blended */
     uint64_t nan_colours; /* components of samples that are not finite */
 };
 

@@ -73,8 +73,10 @@ static ticks price_of(const struct machine *machine, const struct shading_work *
     ticks total = 0;
     for (uint32_t i = 0; i < count; i++)
         for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
-            total = ticks_add(total, ticks_multiply(machine->operation[operation],
-                                                    (int64_t)work[i].operations[operation]));
+            total = ticks_add(total, work[i].operations[operation] > INT64_MAX
+                                         ? TICKS_MAX
+                                         : ticks_multiply(machine->operation[operation],
+                                                          (int64_t)work[i].operations[operation]));
     return total;
 }
 
@@ -124,6 +126,9 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
         struct region_view view;
         if (!region_open(arrived->message->bytes, arrived->message->length, samples, &view, status))
             return false;
+        for (uint32_t w = 0; w < view.head.work_count; w++)
+            if (view.work[w].node >= self->configuration.rendering_nodes)
+                return status_fail(status, STATUS_INVALID, "damaged region message: node number");
         timing->work = copy_work(view.work, view.head.work_count);
         timing->work_count = view.head.work_count;
         frame->record.nan_depths += view.head.nan_depths;
@@ -275,7 +280,8 @@ static bool begin_frame(struct framebuffer_node *self, const struct node_event *
     if (!self->is_configured || frame->is_begun)
         return status_fail(status, STATUS_INTERNAL, "frame %u begins before frame %u is over",
                            event->header.frame, frame->index);
-    if (!frame_payload_decode(event->message, &frame->frame, status))
+    if (!frame_payload_decode(event->message, &frame->frame, status) ||
+        !region_grid_check(&frame->frame, &self->configuration.machine, status))
         return false;
     frame->frame_message = message_hold(event->message);
     frame->is_begun = true;
@@ -291,6 +297,8 @@ static bool begin_frame(struct framebuffer_node *self, const struct node_event *
 
 static bool configure(struct framebuffer_node *self, const struct node_event *event,
                       struct status *status) {
+    if (self->is_configured)
+        return status_fail(status, STATUS_INVALID, "configured twice");
     if (!configuration_decode(event->message, &self->configuration, status))
         return false;
     self->is_configured = true;

@@ -191,6 +191,8 @@ static struct frame_payload frame_payload_of(const struct host_node *self, const
 static bool begin_frame(struct host_node *self, struct frame_payload *payload, int number,
                         struct node_outputs *outputs, struct status *status) {
     char name[4096] = "";
+    if (!region_grid_check(payload, &self->options.machine, status))
+        return false;
     if (self->options.output && self->options.output[0] &&
         !host_image_name(self->options.output, self->is_sequence, number, name, sizeof name, status))
         return false;
@@ -233,6 +235,18 @@ static bool send_chunks(struct host_node *self, const struct scene_frame *frame,
     return ok;
 }
 
+/* Pictures are named by the numbers of frames: two of one number would overwrite each other. */
+static int frame_number(struct host_node *self, const struct scene_frame *frame) {
+    char text[256];
+    if (!self->next_frame || frame->number > self->last_number)
+        return frame->number;
+    snprintf(text, sizeof text, "%.100s: frame %d comes after frame %d; its picture is numbered %d", self->options.scene,
+             frame->number, self->last_number, self->last_number + 1);
+    if (self->options.output && self->options.output[0])
+        add_warning(self, text);
+    return self->last_number + 1;
+}
+
 static bool send_new_frame(struct host_node *self, struct scene_frame *frame, struct node_outputs *outputs,
                            struct status *status) {
     struct frame_plan plan;
@@ -241,7 +255,8 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame, st
     if (!ok)
         return false;
     struct frame_payload payload = frame_payload_of(self, &frame->camera);
-    ok = compile_new_shaders(self, status) && begin_frame(self, &payload, frame->number, outputs, status);
+    const int number = frame_number(self, frame);
+    ok = compile_new_shaders(self, status) && begin_frame(self, &payload, number, outputs, status);
     if (ok) {
         report_instances(self, &plan);
         announce_shaders(self, outputs);

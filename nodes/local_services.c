@@ -21,6 +21,7 @@ struct local_services {
     struct node_services interface;
     struct trace *trace;
     struct shader_cache *cache; /* opened when first needed */
+    const volatile sig_atomic_t *stop;
     pthread_t writer;
     bool has_writer;
     pthread_mutex_t lock;
@@ -36,6 +37,7 @@ static bool open_cache(struct local_services *services, struct status *status) {
         return true;
     if (!shader_cache_open(&services->cache, status))
         return false;
+    shader_cache_set_stop(services->cache, services->stop);
     trace_line(services->trace, "shaders run on vectors of %s", shader_cache_vectors(services->cache));
     return true;
 }
@@ -149,9 +151,10 @@ static bool finish_images(void *context, struct status *status) {
     return ok;
 }
 
-struct local_services *local_services_create(struct trace *trace) {
+struct local_services *local_services_create(struct trace *trace, const volatile sig_atomic_t *stop) {
     struct local_services *services = memory_get(1, sizeof *services);
     services->trace = trace;
+    services->stop = stop;
     services->interface = (struct node_services){services, load_shader, write_image, finish_images};
     pthread_mutex_init(&services->lock, NULL);
     pthread_cond_init(&services->changed, NULL);

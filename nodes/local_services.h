@@ -4,11 +4,14 @@
 
 #include "nodes/node.h"
 
+#include <signal.h>
+
 /* The services of a real node: shaders from the shader cache of this machine, pictures written by a thread of
  * their own so that the next frame need not wait for the disk. */
 struct local_services;
 
-struct local_services *local_services_create(struct trace *trace);
+/* `stop`, when not NULL, ends compilations under way once it is set by a signal. */
+struct local_services *local_services_create(struct trace *trace, const volatile sig_atomic_t *stop);
 /* Pictures not finished are finished first. */
 void local_services_destroy(struct local_services *services);
 /* For node constructors; valid as long as `services`. */

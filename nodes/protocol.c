@@ -105,6 +105,20 @@ bool frame_payload_decode(const struct message *message, struct frame_payload *f
     return true;
 }
 
+bool region_grid_check(const struct frame_payload *frame, const struct machine *machine, struct status *status) {
+    const uint64_t wide = (uint64_t)frame->width * frame->samples_x, high = (uint64_t)frame->height * frame->samples_y,
+                   columns = (wide + (uint64_t)machine->region_width - 1) / (uint64_t)machine->region_width,
+                   rows = (high + (uint64_t)machine->region_height - 1) / (uint64_t)machine->region_height;
+    if (columns * rows <= REGIONS_MAX)
+        return true;
+    return status_fail(status, STATUS_LIMIT,
+                       "a picture of %u x %u pixels with %u x %u samples each has %llu regions of %lld x %lld samples, "
+                       "more than %d: take fewer samples, or a machine of larger regions",
+                       frame->width, frame->height, frame->samples_x, frame->samples_y,
+                       (unsigned long long)(columns * rows), (long long)machine->region_width,
+                       (long long)machine->region_height, REGIONS_MAX);
+}
+
 struct region_grid region_grid_make(const struct frame_payload *frame, const struct machine *machine) {
     struct region_grid grid = {
         .samples_wide = frame->width * frame->samples_x,

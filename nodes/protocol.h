@@ -52,6 +52,10 @@ struct region_grid {
     uint32_t region_width, region_height;
     uint32_t columns, rows, count; /* regions */
 };
+enum { REGIONS_MAX = 1 << 24 };
+/* Fails with STATUS_LIMIT when the picture has more than REGIONS_MAX regions. */
+bool region_grid_check(const struct frame_payload *frame, const struct machine *machine, struct status *status);
+/* For a frame that was checked. */
 struct region_grid region_grid_make(const struct frame_payload *frame, const struct machine *machine);
 /* Sample position of region `k`: column and row of its first sample. */
 void region_grid_origin(const struct region_grid *grid, uint32_t region, uint32_t *x, uint32_t *y);
@@ -157,7 +161,7 @@ struct frame_record {
     uint64_t nan_depths, nan_colours;
     uint32_t rendering_nodes, shading_nodes;
     int64_t *raster_busy_ps, *shading_busy_ps; /* owned; one a node */
-    char image_path[512]; /* "" when none */
+    char image_path[4096]; /* "" when none */
 };
 struct message *frame_record_encode(const struct frame_record *record, uint32_t sender);
 bool frame_record_decode(const struct message *message, struct frame_record *record,

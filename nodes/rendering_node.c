@@ -84,7 +84,8 @@ static bool begin_frame(struct rendering_node *self, const struct node_event *ev
     if (!self->is_configured || slot->is_begun)
         return status_fail(status, STATUS_INTERNAL, "frame %u begins before frame %u is over",
                            event->header.frame, slot->index);
-    if (!frame_payload_decode(event->message, &slot->frame, status))
+    if (!frame_payload_decode(event->message, &slot->frame, status) ||
+        !region_grid_check(&slot->frame, &self->configuration.machine, status))
         return false;
     slot->frame_message = message_hold(event->message);
     slot->is_begun = true;
@@ -196,18 +197,17 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
                            struct node_outputs *outputs, struct status *status) {
     const struct region_grid *grid = &slot_of(self, pending->frame)->grid;
     const uint32_t samples = grid->region_width * grid->region_height;
-    struct region_view upstream, own;
+    struct region_view upstream = {0}, own;
+    if (!has_own) { /* passed on as it came */
+        send_region(self, pending->region, message_hold(pending->message),
+                    region_sample_count(pending->message->bytes, pending->message->length), outputs);
+        return true;
+    }
     if (pending->message &&
         !region_open(pending->message->bytes, pending->message->length, samples, &upstream, status))
         return status_prefix(status, "frame %u, region %u", pending->frame, pending->region);
-    struct message *mine = has_own ? visibility_render(self->visibility, pending->frame, pending->region,
-                                                       self->node.address)
-                                   : NULL;
-    if (!mine) {
-        send_region(self, pending->region, message_hold(pending->message), upstream.head.sample_count,
-                    outputs);
-        return true;
-    }
+    struct message *mine =
+        visibility_render(self->visibility, pending->frame, pending->region, self->node.address);
     if (!region_open(mine->bytes, mine->length, samples, &own, status)) {
         message_release(mine);
         return status_prefix(status, "frame %u, region %u", pending->frame, pending->region);
@@ -266,6 +266,8 @@ static bool handle_message(struct rendering_node *self, const struct node_event 
                            struct status *status) {
     switch (event->header.kind) {
     case WIRE_CONFIGURATION:
+        if (self->is_configured)
+            return status_fail(status, STATUS_INVALID, "configured twice");
         self->is_configured = configuration_decode(event->message, &self->configuration, status);
         return self->is_configured;
     case WIRE_FRAME_BEGIN:
@@ -317,7 +319,6 @@ static void rendering_node_describe(const struct node *node, char *text, size_t 
 static void rendering_node_destroy(struct node *node) {
     struct rendering_node *self = (struct rendering_node *)node;
     visibility_destroy(self->visibility);
-    visibility_device_destroy(self->device);
     for (int i = 0; i < RENDERING_FRAMES; i++)
         slot_finish(&self->frames[i]);
     slot_finish(&self->kept);
@@ -327,15 +328,13 @@ static void rendering_node_destroy(struct node *node) {
     free(self);
 }
 
-bool rendering_node_create(uint32_t index, struct trace *trace, struct node **node, struct status *status) {
+bool rendering_node_create(uint32_t index, struct visibility_device *device, struct trace *trace,
+                           struct node **node, struct status *status) {
     static const struct node_type type = {rendering_node_step, rendering_node_describe,
                                           rendering_node_destroy};
     struct rendering_node *self = memory_get(1, sizeof *self);
     self->node = (struct node){.type = &type, .address = {NODE_RENDERING, index}, .trace = trace};
-    if (!visibility_device_create(&self->device, status)) {
-        free(self);
-        return false;
-    }
+    self->device = device;
     *node = &self->node;
     return true;
 }

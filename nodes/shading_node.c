@@ -331,7 +331,8 @@ static bool begin_frame(struct shading_node *self, const struct node_event *even
     shading_frame_finish(retired);
     *retired = *frame;
     *frame = (struct shading_frame){.is_begun = true, .index = event->header.frame};
-    if (!frame_payload_decode(event->message, &frame->frame, status))
+    if (!frame_payload_decode(event->message, &frame->frame, status) ||
+        !region_grid_check(&frame->frame, &self->configuration.machine, status))
         return false;
     frame->frame_message = message_hold(event->message);
     frame->grid = region_grid_make(&frame->frame, &self->configuration.machine);
@@ -367,6 +368,8 @@ static bool handle_message(struct shading_node *self, const struct node_event *e
                            struct status *status) {
     switch (event->header.kind) {
     case WIRE_CONFIGURATION:
+        if (self->is_configured)
+            return status_fail(status, STATUS_INVALID, "configured twice");
         self->is_configured = configuration_decode(event->message, &self->configuration, status);
         return self->is_configured;
     case WIRE_SHADER:

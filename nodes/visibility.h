@@ -10,7 +10,7 @@
 /* What a rendering node sees: its chunks of one frame in an Embree scene, and regions rendered from it. */
 struct visibility;
 
-/* One Embree device for the node's lifetime. */
+/* One Embree device for all rendering nodes of a process. */
 struct visibility_device;
 bool visibility_device_create(struct visibility_device **device, struct status *status);
 void visibility_device_destroy(struct visibility_device *device);

@@ -9,6 +9,7 @@
 #include "nodes/programs/render_report.h"
 #include "nodes/rendering_node.h"
 #include "nodes/shading_node.h"
+#include "nodes/visibility.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -24,17 +25,20 @@ static bool run_in_process(struct node *host, const struct render_options *optio
     struct node **nodes = memory_get((size_t)r + s + 2, sizeof *nodes);
     size_t count = 0;
     bool ok = true;
+    struct visibility_device *device = NULL;
     nodes[count++] = host;
+    ok = visibility_device_create(&device, status);
     for (uint32_t i = 0; ok && i < r; i++)
-        ok = rendering_node_create(i, trace, &nodes[count], status), count += ok;
+        ok = rendering_node_create(i, device, trace, &nodes[count], status), count += ok;
     for (uint32_t i = 0; ok && i < s; i++)
         ok = shading_node_create(i, interface, trace, &nodes[count], status), count += ok;
     if (ok)
         ok = framebuffer_node_create(interface, trace, &nodes[count], status), count += ok;
-    const struct driver_options driver = {.seed = options->schedule_seed};
+    const struct driver_options driver = {.seed = options->schedule_seed, .stop = &program_stop};
     ok = ok && driver_in_process_run(nodes, count, &driver, status);
     for (size_t i = 1; i < count; i++)
         node_destroy(nodes[i]);
+    visibility_device_destroy(device);
     free(nodes);
     return ok;
 }
@@ -84,11 +88,13 @@ int host_run(const struct render_options *options) {
     struct trace trace;
     struct render_progress progress;
     struct node *host = NULL;
+    program_streams_ensure();
     program_signals_install();
+    program_files_raise();
     program_memory_keep();
     trace_init(&trace, options->driver == DRIVER_IN_PROCESS ? "cluster" : "host",
                options->verbosity > 0 ? stderr : NULL);
-    struct local_services *services = local_services_create(&trace);
+    struct local_services *services = local_services_create(&trace, &program_stop);
     render_progress_begin(&progress, options);
     const struct host_observer observer = render_progress_observer(&progress);
     bool ok = host_node_create(&options->host, &observer, local_services_build_shaders, services, &trace,

@@ -8,6 +8,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,8 +100,11 @@ static void choose_endpoint(struct local_cluster *cluster) {
 }
 
 /* The child's side between fork and exec. */
-static void become(const struct local_cluster *cluster, const char *const *arguments, pid_t parent) {
+static void become(const struct local_cluster *cluster, const char *const *arguments, pid_t parent,
+                   const sigset_t *signals) {
     char path[4096];
+    program_signals_reset();
+    sigprocmask(SIG_SETMASK, signals, NULL); /* one that came meanwhile takes effect now */
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent)
         _exit(2);
@@ -114,10 +118,17 @@ static void become(const struct local_cluster *cluster, const char *const *argum
 static bool start(struct local_cluster *cluster, struct child *child, const char *const *arguments,
                   struct status *status) {
     const pid_t parent = getpid();
+    sigset_t all, before;
     fflush(NULL);
+    /* until the child has put the handlers aside, a signal would only be noted, and forgotten by exec */
+    sigfillset(&all);
+    sigprocmask(SIG_BLOCK, &all, &before);
     child->pid = fork();
     if (child->pid == 0)
-        become(cluster, arguments, parent);
+        become(cluster, arguments, parent, &before);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    if (child->pid > 0)
+        setpgid(child->pid, child->pid); /* as the child does itself: whoever is first */
     if (child->pid > 0)
         return true;
     child->pid = 0;
@@ -218,7 +229,7 @@ static bool any_left(const struct local_cluster *cluster) {
 static void signal_all(const struct local_cluster *cluster, int number) {
     for (uint32_t i = 0; i < cluster->count; i++)
         if (cluster->children[i].pid)
-            kill(cluster->children[i].pid, number);
+            kill(-cluster->children[i].pid, number); /* its group: a compiler may be running for it */
 }
 
 /* Asks all that are left to go, then makes them. */
@@ -303,12 +314,27 @@ static int supervise(struct local_cluster *cluster) {
     }
 }
 
+/* libzmq ends a process that runs out of file descriptors: refuse beforehand. The host has the most connections. */
+static bool has_files_for(const struct render_options *options, struct status *status) {
+    enum { FILES_PER_NODE = 3, FILES_BESIDES = 64 };
+    const long nodes = (long)options->host.rendering_nodes + options->host.shading_nodes + 1;
+    const long needed = FILES_PER_NODE * nodes + FILES_BESIDES;
+    if (program_files_max() >= needed)
+        return true;
+    return status_fail(status, STATUS_LIMIT,
+                       "a cluster of %ld nodes needs %ld open files, the limit is %ld: raise it (ulimit -n), or use "
+                       "--driver in-process",
+                       nodes + 1, needed, program_files_max());
+}
+
 int local_cluster_run(int argument_count, char **arguments, const struct render_options *options) {
     struct local_cluster cluster = {.options = options, .board_descriptor = -1, .pool_descriptor = -1};
     struct status status = {0};
+    program_streams_ensure();
     program_signals_install();
+    program_files_raise();
     int exit_status = 2;
-    if (start_all(&cluster, argument_count, arguments, &status))
+    if (has_files_for(options, &status) && start_all(&cluster, argument_count, arguments, &status))
         exit_status = supervise(&cluster);
     else
         fprintf(stderr, "sortlast: %s\n", status.message);

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/programs/program_process.h"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <stddef.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 volatile sig_atomic_t program_stop;
 volatile sig_atomic_t program_describe;
@@ -15,13 +18,41 @@ static void ask_to_describe(int number) {
     program_describe = number;
 }
 
+static const int stops[] = {SIGINT, SIGTERM, SIGHUP};
+
+void program_signals_reset(void) {
+    for (size_t i = 0; i < sizeof stops / sizeof *stops; i++)
+        signal(stops[i], SIG_DFL);
+    signal(SIGUSR1, SIG_DFL);
+}
+
 void program_signals_install(void) {
-    const int stops[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t i = 0; i < sizeof stops / sizeof *stops; i++)
         sigaction(stops[i], &(struct sigaction){.sa_handler = ask_to_stop}, NULL);
     sigaction(SIGUSR1, &(struct sigaction){.sa_handler = ask_to_describe}, NULL);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
+}
+
+void program_streams_ensure(void) {
+    int descriptor;
+    while ((descriptor = open("/dev/null", O_RDWR)) >= 0 && descriptor <= STDERR_FILENO)
+        ;
+    if (descriptor > STDERR_FILENO)
+        close(descriptor);
+}
+
+void program_files_raise(void) {
+    struct rlimit limit;
+    if (!getrlimit(RLIMIT_NOFILE, &limit) && limit.rlim_cur < limit.rlim_max) {
+        limit.rlim_cur = limit.rlim_max;
+        setrlimit(RLIMIT_NOFILE, &limit);
+    }
+}
+
+long program_files_max(void) {
+    struct rlimit limit;
+    return getrlimit(RLIMIT_NOFILE, &limit) || limit.rlim_cur > 1L << 30 ? 1L << 30 : (long)limit.rlim_cur;
 }
 
 void program_memory_keep(void) {

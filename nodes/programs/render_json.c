@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "images/replacement_file.h"
 #include "nodes/programs/render_report.h"
 
 #include <cjson/cJSON.h>
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Whole numbers go in as text: doubles would round those beyond 2^53. */
 static void add_whole(cJSON *object, const char *key, int64_t value) {
@@ -110,21 +109,15 @@ static cJSON *make_document(const struct render_options *options, const struct h
 }
 
 static bool write_file(const char *path, const char *text, struct status *status) {
+    struct replacement_file file;
     if (!strcmp(path, "-"))
-        return puts(text) >= 0 && !fflush(stdout);
-    char temporary[4096];
-    if (snprintf(temporary, sizeof temporary, "%s.%d.tmp", path, (int)getpid()) >= (int)sizeof temporary)
-        return status_fail(status, STATUS_INVALID, "the name of the JSON file is too long");
-    FILE *file = fopen(temporary, "wb");
-    bool ok = file && fprintf(file, "%s\n", text) > 0;
-    if (file && fclose(file))
-        ok = false;
-    if (ok && !rename(temporary, path))
-        return true;
-    status_fail(status, STATUS_IO, "cannot write %s: %s", path, strerror(errno));
-    if (file)
-        unlink(temporary);
-    return false;
+        return (puts(text) >= 0 && !fflush(stdout)) ||
+               status_fail(status, STATUS_IO, "cannot write the JSON summary to standard output");
+    if (!replacement_file_open(&file, path, status))
+        return false;
+    replacement_file_append(&file, text, strlen(text));
+    replacement_file_append(&file, "\n", 1);
+    return replacement_file_commit(&file, status); /* carries the cause of a failed write */
 }
 
 bool render_json_write(const struct render_options *options, const struct host_report *report,

@@ -7,6 +7,7 @@
 #include "nodes/programs/program_process.h"
 #include "nodes/rendering_node.h"
 #include "nodes/shading_node.h"
+#include "nodes/visibility.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -100,10 +101,12 @@ static int parse(int argc, char **argv, struct node_program_options *options) {
 }
 
 static bool create(const struct node_program_options *options, struct local_services *services,
-                   struct trace *trace, struct node **node, struct status *status) {
+                   struct visibility_device **device, struct trace *trace, struct node **node,
+                   struct status *status) {
     switch (NODE_PROGRAM_ROLE) {
     case NODE_RENDERING:
-        return rendering_node_create(options->index, trace, node, status);
+        return visibility_device_create(device, status) &&
+               rendering_node_create(options->index, *device, trace, node, status);
     case NODE_SHADING:
         return shading_node_create(options->index, local_services_interface(services), trace, node, status);
     default:
@@ -120,7 +123,9 @@ int main(int argc, char **argv) {
     const int end = parse(argc, argv, &options);
     if (end)
         return end - 1;
+    program_streams_ensure();
     program_signals_install();
+    program_files_raise();
     program_memory_keep();
     trace_init(&trace, node_address_name((struct node_address){NODE_PROGRAM_ROLE, options.index}, name),
                options.is_verbose ? stderr : NULL);
@@ -130,8 +135,9 @@ int main(int argc, char **argv) {
         options.sockets.board = status_board_open(options.board, options.board_entry);
     if (options.pool >= 0)
         options.sockets.pool = shared_pool_open(options.pool, options.pool_ring);
-    struct local_services *services = local_services_create(&trace);
-    bool ok = create(&options, services, &trace, &node, &status) &&
+    struct local_services *services = local_services_create(&trace, &program_stop);
+    struct visibility_device *device = NULL;
+    bool ok = create(&options, services, &device, &trace, &node, &status) &&
               driver_sockets_run(node, &options.sockets, &status);
     /* under a supervisor the host, once it can be told, or the supervisor itself reports */
     const bool is_told =
@@ -139,6 +145,7 @@ int main(int argc, char **argv) {
     if (!ok && status.code != STATUS_OK && !is_told)
         fprintf(stderr, "sortlast: %s: %s\n", name, status.message);
     node_destroy(node);
+    visibility_device_destroy(device);
     shared_pool_close(options.sockets.pool);
     local_services_destroy(services);
     return ok ? 0 : status.code == STATUS_OK ? 128 + (int)program_stop : status_exit_code(status.code);

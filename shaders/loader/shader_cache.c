@@ -48,6 +48,7 @@ struct shader_cache {
     const char *compiler;
     const struct vector_width *width;
     uint64_t salt; /* hash of runtime, compiler and flags */
+    const volatile sig_atomic_t *stop;
     struct loaded_module *modules;
     size_t module_count, module_capacity;
 };
@@ -172,6 +173,10 @@ bool shader_cache_open(struct shader_cache **out, struct status *status) {
     return true;
 }
 
+void shader_cache_set_stop(struct shader_cache *cache, const volatile sig_atomic_t *stop) {
+    cache->stop = stop;
+}
+
 void shader_cache_close(struct shader_cache *cache) {
     if (!cache)
         return;
@@ -256,7 +261,7 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
     pid_t ended;
     while ((ended = waitpid(job->pid, &result, WNOHANG)) == 0) {
         clock_gettime(CLOCK_MONOTONIC, &now);
-        if (now.tv_sec - begin.tv_sec > COMPILE_DEADLINE_S)
+        if (now.tv_sec - begin.tv_sec > COMPILE_DEADLINE_S || (cache->stop && *cache->stop))
             kill(job->pid, SIGKILL);
         nanosleep(&pause, NULL);
     }
@@ -293,7 +298,10 @@ bool shader_cache_build(struct shader_cache *cache, const struct shader_source *
             struct job *job = &jobs[started++];
             job->source = &sources[job - jobs];
             object_path(cache, job->source, job->object, sizeof job->object);
-            if (access(job->object, R_OK))
+            bool is_under_way = false; /* two variants of a shader may come to the same C */
+            for (const struct job *other = jobs; other < job && !is_under_way; other++)
+                is_under_way = !strcmp(other->object, job->object);
+            if (!is_under_way && access(job->object, R_OK))
                 ok = job_start(cache, job, status);
         }
         if (finished == started)
@@ -325,6 +333,12 @@ bool shader_cache_load(struct shader_cache *cache, struct shader_source source,
     char path[PATH_BYTES + 256];
     object_path(cache, &source, path, sizeof path);
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!library) { /* damaged, perhaps by a full disk: make it anew, once */
+        unlink(path);
+        if (!shader_cache_build(cache, &source, 1, NULL, status))
+            return false;
+        library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    }
     const struct shader_module *found = library ? dlsym(library, SHADER_MODULE_SYMBOL) : NULL;
     if (!found)
         return status_fail(status, STATUS_IO, "cannot load shader %s: %s", source.name, dlerror());

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "shaders/simd/shader_module.h"
 
+#include <signal.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -17,6 +18,8 @@ struct shader_cache;
  * $SORTLAST_CC, else cc; vectors are as wide as this processor has them unless $SORTLAST_VECTOR_WIDTH (4, 8 or
  * 16 lanes) says otherwise. */
 bool shader_cache_open(struct shader_cache **cache, struct status *status);
+/* When *stop becomes non-zero, compilations under way are ended and fail. NULL: never. */
+void shader_cache_set_stop(struct shader_cache *cache, const volatile sig_atomic_t *stop);
 /* Unloads nothing: modules stay valid until the program ends. */
 void shader_cache_close(struct shader_cache *cache);
 

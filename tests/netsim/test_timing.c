@@ -105,6 +105,8 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
         if (f)
             rule(g, geometry[f], geometry[f - 1], (ticks)((w->geometry_bytes[f - 1] + 3) / 4) * m->geometry_word);
         rule(g, end[f], geometry[f], g_time);
+        if (f)
+            rule(g, end[f], end[f - 1], 0);
         for (uint32_t i = 0; f >= frames && i < w->r; i++) /* all work of frame f - frames is rastered */
             for (int n = 0; n < raster_count[i]; n++)
                 if (raster_history[i][n] < geometry[f - frames + 1])
@@ -195,6 +197,7 @@ static void recurrence_agrees_to_the_tick_with_the_rules_as_a_graph(void **state
                 fail_msg("round %d, frame %d: %lld, by the graph %lld", round, f, (long long)result.end,
                          (long long)graph.at[end[f]]);
             assert_int_equal(result.time, result.end - before);
+            assert_true(result.time >= 0);
             before = result.end;
         }
         timing_model_destroy(model);

@@ -12,6 +12,7 @@
 #include "nodes/local_services.h"
 #include "nodes/rendering_node.h"
 #include "nodes/shading_node.h"
+#include "nodes/visibility.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -70,19 +71,21 @@ static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tap
     close(descriptor);
     static struct trace trace;
     trace_init(&trace, "test", NULL);
-    struct local_services *services = local_services_create(&trace);
+    struct local_services *services = local_services_create(&trace, NULL);
     counting_into = tapped;
     counting = (struct node_services){(void *)local_services_interface(services), count_load, keep_nothing, nothing_to_finish};
     struct host_options options = {.scene = path, .rendering_nodes = r, .shading_nodes = s, .shader_folders = folders,
                                    .shader_folder_count = 1, .frames = frames, .seed = 1};
     struct status status = {0};
     struct node *nodes[32];
+    struct visibility_device *device;
     size_t count = 0;
+    assert_true(visibility_device_create(&device, NULL));
     *tapped = (struct tapped){0};
     assert_true(machine_read_file(MACHINES "/pixelflow.json", &options.machine, NULL));
     assert_true(host_node_create(&options, NULL, NULL, NULL, &trace, &nodes[count++], &status));
     for (uint32_t i = 0; i < r; i++)
-        assert_true(rendering_node_create(i, &trace, &nodes[count++], &status));
+        assert_true(rendering_node_create(i, device, &trace, &nodes[count++], &status));
     for (uint32_t i = 0; i < s; i++)
         assert_true(shading_node_create(i, &counting, &trace, &nodes[count++], &status));
     assert_true(framebuffer_node_create(&counting, &trace, &nodes[count++], &status));
@@ -92,6 +95,7 @@ static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tap
     check(host_node_report(nodes[0]), tapped);
     for (size_t i = 0; i < count; i++)
         node_destroy(nodes[i]);
+    visibility_device_destroy(device);
     local_services_destroy(services);
     unlink(path);
 }
