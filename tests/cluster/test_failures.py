@@ -200,6 +200,78 @@ def test_outputs_that_cannot_be_written():
             fails(folder, ["render", scene, "-q", "--json", folder.file("no/such.json"), *driver], "such.json")
 
 
+def test_the_reason_of_a_failing_node_is_told_even_while_the_host_is_sending():
+    with Folder() as folder:
+        scene = folder.write("slow.rib", SLOW)
+        fails(folder, ["render", scene, "-r", 2, "-s", 2, "--frames", 40, "--format", "64x48", "--chord", "1", "-o",
+                       "/nonexistent/x.exr"], "cannot write '/nonexistent/x", seconds=30)
+
+
+def test_interrupt_ends_the_in_process_driver():
+    with Folder() as folder:
+        scene = folder.write("slow.rib", SLOW)
+        process = folder.start("render", scene, "--driver", "in-process", "--frames", 2000, "--chord", 2)
+        time.sleep(1.5)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=20)
+        assert process.returncode == 128 + signal.SIGTERM
+
+
+def test_an_interrupt_while_shaders_compile_leaves_no_compiler_and_no_file():
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        compiler = folder.write("slowcc", "#!/bin/sh\nsleep 20\nexec cc \"$@\"\n")
+        os.chmod(compiler, 0o700)
+        environment = folder.environment(SORTLAST_CC=compiler, SORTLAST_CACHE=folder.file("cache"))
+        process = subprocess.Popen([SORTLAST, "render", scene], cwd=folder.path, env=environment, stderr=subprocess.PIPE)
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+        assert process.returncode == 128 + signal.SIGINT
+        folder.assert_nothing_left()
+        left = [name for name in os.listdir(folder.file("cache")) if not name.startswith("runtime-")]
+        assert not left, left
+
+
+def test_two_variants_of_a_shader_in_an_empty_cache():
+    with Folder() as folder:
+        polygon = 'Polygon "P" [-1 -1 2  1 -1 2  1 1 2] %s\n'
+        scene = folder.write("two.rib", 'Format 64 48 1\nWorldBegin\nSurface "matte"\n' + polygon % "" +
+                             polygon % '"varying float foo" [0 0 1]' + "WorldEnd\n")
+        for driver in DRIVERS:
+            cache = folder.file("cache" + driver[1])
+            result = subprocess.run([SORTLAST, "render", scene, "-q", *driver], cwd=folder.path, capture_output=True, text=True,
+                                    env=folder.environment(SORTLAST_CACHE=cache), timeout=60)
+            assert result.returncode == 0, result.stderr
+
+
+def test_frames_of_one_number_do_not_overwrite_each_other():
+    with Folder() as folder:
+        world = 'WorldBegin\nSurface "constant"\nSphere 1 -1 1 360\nWorldEnd\n'
+        scene = folder.write("same.rib", "Format 64 48 1\n" + 3 * world)
+        summary = folder.render(scene, "--driver", "in-process", "-o", folder.file("a.exr"))
+        names = [frame["image"] for frame in summary["frames"]]
+        assert len(set(names)) == 3 and all(os.path.exists(name) for name in names), names
+
+
+def test_an_empty_frame_after_a_heavy_one_takes_no_negative_time():
+    with Folder() as folder:
+        heavy = 'FrameBegin 1\nWorldBegin\nSurface "marble"\nLightSource "distant" 1\nTranslate 0 0 3\nSphere 1 -1 1 360\nWorldEnd\nFrameEnd\n'
+        scene = folder.write("two.rib", 'Format 640 480 1\n' + heavy + "FrameBegin 2\nWorldBegin\nWorldEnd\nFrameEnd\n")
+        frames = folder.render(scene, "--driver", "in-process")["frames"]
+        assert 0 <= frames[1]["time_ps"] == frames[1]["end_ps"] - frames[0]["end_ps"] < frames[0]["time_ps"], frames
+
+
+def test_closed_standard_streams_do_not_confuse():
+    with Folder() as folder:
+        scene = folder.write("quick.rib", QUICK)
+        result = subprocess.run('"%s" render "%s" -o q.exr -q <&- >&- 2>&-' % (SORTLAST, scene), shell=True, cwd=folder.path,
+                                env=folder.environment(), timeout=60)
+        assert result.returncode == 0
+        folder.render(scene, "-o", folder.file("r.exr"))
+        folder.assert_same_picture(folder.file("q.exr"), folder.file("r.exr"))
+
+
 def test_a_full_disk_leaves_no_partial_picture():
     def limit():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
