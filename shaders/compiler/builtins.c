@@ -89,6 +89,10 @@ const char *builtin_missing(const char *name) {
     return NULL;
 }
 
+const char *builtin_missing_at(int i) {
+    return (size_t)i < sizeof missing / sizeof *missing ? missing[i].name : NULL;
+}
+
 const struct ast_global *global_find(const char *name) {
     for (int i = 0; i < global_count; i++)
         if (!strcmp(globals[i].name, name))

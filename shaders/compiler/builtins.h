@@ -73,6 +73,8 @@ extern const struct builtin builtins[BUILTIN_COUNT];
 const struct builtin *builtin_find(const char *name);
 /* A function of the language that this compiler leaves out: the reason to give, else NULL. */
 const char *builtin_missing(const char *name);
+/* The name of the i-th of these, NULL after the last. */
+const char *builtin_missing_at(int i);
 /* Chooses an overload for arguments of these types; `wanted` is the result type the context would
  * like (TYPE_ERROR: none). Returns false when none fits. parameters[i] is the type argument i is to
  * be converted to, TYPE_TRIPLE: leave it; *written_mask has a bit per argument that is written to.
