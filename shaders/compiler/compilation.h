@@ -23,6 +23,10 @@ enum {
     ARRAY_FLOATS_MAX = 65536, /* of one array, and of all arrays of a shader after inlining */
     ERROR_COUNT_MAX = 8,
     WARNING_COUNT_MAX = 64,
+    INCLUDE_DEPTH_MAX = 32,
+    MACRO_DEPTH_MAX = 100,      /* macros in arguments of macros */
+    MACRO_TOKENS_MAX = 1 << 18, /* that all expansions give in all */
+    MACRO_ARGUMENTS_MAX = 64,
 };
 
 /* A place in the source. `line_text` is the start of the physical line, ended by a newline or NUL.

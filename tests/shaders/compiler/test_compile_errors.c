@@ -43,9 +43,9 @@ static const struct {
      "test.sl:2:27: error: recursion: f calls g calls f; functions are inlined and cannot call "
      "themselves\n"
      "float g(float x) { return f(x); }\n                          ^"},
-    {"#define X 1\nsurface a() { Ci = 1; }", "test.sl:1:1: error: preprocessor directives are not "
-                                             "supported; run the shader through cpp first\n"
-                                             "#define X 1\n^"},
+    {"#include \"x.h\"\nsurface a() { Ci = 1; }",
+     "test.sl:1:10: error: #include is not possible here: there are no files to read from\n"
+     "#include \"x.h\"\n         ^"},
     {"# 40 \"other.sl\"\nsurface a() { Ci = x; }",
      "other.sl:40:20: error: 'x' is not declared\nsurface a() { Ci = x; }\n                   ^"},
     {"surface a() { Ci = 1 }\n",
