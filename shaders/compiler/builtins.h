@@ -53,7 +53,26 @@
     X(NTRANSFORM, "ntransform", "n:sn n:ssn")                                                      \
     X(CTRANSFORM, "ctransform", "c:sc c:ssc")                                                      \
     X(AMBIENT, "ambient", "c:")                                                                    \
-    X(PRINTF, "printf", "0:s.*")
+    X(PRINTF, "printf", "0:s.*")                                                                   \
+    X(FORMAT, "format", "s:s.*")                                                                   \
+    X(CONCAT, "concat", "s:ss*")                                                                   \
+    X(MATCH, "match", "f:ss")                                                                      \
+    X(SHADERNAME, "shadername", "s: s:s")                                                          \
+    X(TEXTURE, "texture", "f:s.* c:s.*")                                                           \
+    X(ENVIRONMENT, "environment", "f:s.* c:s.*")                                                   \
+    X(SHADOW, "shadow", "f:s.* c:s.*")                                                             \
+    X(BUMP, "bump", "p:s.*")                                                                       \
+    X(TEXTUREINFO, "textureinfo", "f:ss&.")                                                        \
+    X(TRACE, "trace", "c:pv f:pv")                                                                 \
+    X(LIGHTSOURCE, "lightsource", "f:s&.")                                                         \
+    X(SURFACE, "surface", "f:s&.")                                                                 \
+    X(DISPLACEMENT, "displacement", "f:s&.")                                                       \
+    X(ATMOSPHERE, "atmosphere", "f:s&.")                                                           \
+    X(INCIDENT, "incident", "f:s&.")                                                               \
+    X(OPPOSITE, "opposite", "f:s&.")                                                               \
+    X(ATTRIBUTE, "attribute", "f:s&.")                                                             \
+    X(OPTION, "option", "f:s&.")                                                                   \
+    X(RENDERERINFO, "rendererinfo", "f:s&.")
 
 enum builtin_id {
 #define BUILTIN_ENUM(id, name, overloads) BUILTIN_##id,
@@ -69,6 +88,11 @@ struct builtin {
     const char *name, *overloads;
 };
 extern const struct builtin builtins[BUILTIN_COUNT];
+
+/* A function that is accepted but has nothing to work on: what to say and the value it has instead
+ * (of a string: the empty one); NULL when it works. What it would write to stays as it is, and its
+ * arguments are not evaluated. */
+const char *builtin_neutral(enum builtin_id id, float *value);
 
 const struct builtin *builtin_find(const char *name);
 /* A function of the language that this compiler leaves out: the reason to give, else NULL. */
@@ -97,6 +121,7 @@ enum global_source {
     GLOBAL_ZERO,
     GLOBAL_ONE,
     GLOBAL_THREE,
+    GLOBAL_PI,
     GLOBAL_ORIGIN, /* the origin of shader space */
     GLOBAL_AXIS,   /* the z axis of shader space */
     GLOBAL_RESULT, /* starts at zero, what the shader is for */

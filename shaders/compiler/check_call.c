@@ -76,10 +76,37 @@ static bool is_literal(const struct ast_expression *e) {
 static void check_color_spaces(struct checker *k, struct ast_expression *e) {
     struct ast_expression *a = e->arguments;
     for (int i = 0; i < e->argument_count - 1 && a; i++, a = a->next)
-        if (!is_literal(a) ||
-            (strcmp(a->name, "rgb") && strcmp(a->name, "hsv") && strcmp(a->name, "hsl")))
+        if (!is_literal(a) || !color_space_is_known(a->name))
             compile_error(k->c, &a->at,
-                          "ctransform knows \"rgb\", \"hsv\" and \"hsl\", written out");
+                          "ctransform knows the color spaces " COLOR_SPACES ", written out");
+}
+
+/* concat and format of strings written out are strings written out; false when they cannot be. */
+static bool fold_strings(struct checker *k, struct ast_expression *e) {
+    size_t length = 0, at = 0;
+    bool is_format = e->builtin->id == BUILTIN_FORMAT;
+    for (const struct ast_expression *a = e->arguments; a; a = a->next) {
+        if (!is_literal(a) || (is_format && (a->next || strchr(a->name, '%'))))
+            return false;
+        length += strlen(a->name);
+    }
+    char *text = compilation_get(k->c, length + 1);
+    for (const struct ast_expression *a = e->arguments; a; a = a->next) {
+        memcpy(text + at, a->name, strlen(a->name));
+        at += strlen(a->name);
+    }
+    e->kind = EXPRESSION_STRING;
+    e->name = text;
+    return true;
+}
+
+static void check_neutral(struct checker *k, struct ast_expression *e) {
+    float value;
+    const char *reason = builtin_neutral(e->builtin->id, &value);
+    bool is_string = e->builtin->id == BUILTIN_FORMAT || e->builtin->id == BUILTIN_CONCAT;
+    if (reason && !(is_string && fold_strings(k, e)))
+        compile_warning(k->c, &e->at, e->builtin->id == BUILTIN_PRINTF ? "%s %s" : "%s() %s",
+                        e->name, reason);
 }
 
 static struct ast_expression *check_builtin_call(struct checker *k, struct ast_expression *e,
@@ -88,7 +115,8 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     enum ast_type types[BUILTIN_ARGUMENTS_MAX] = {0}, parameters[BUILTIN_ARGUMENTS_MAX];
     uint32_t written = 0;
     int count = 0;
-    bool is_wrong = false;
+    float value;
+    bool is_wrong = false, is_neutral = builtin_neutral(builtin->id, &value) != NULL;
     e->builtin = builtin;
     if (e->argument_count > BUILTIN_ARGUMENTS_MAX) {
         compile_error(k->c, &e->at, "more than %d arguments", BUILTIN_ARGUMENTS_MAX);
@@ -99,7 +127,7 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         *a = check_expression(k, *a, TYPE_ERROR);
         (*a)->next = next;
         is_wrong |= (*a)->type == TYPE_ERROR;
-        if ((*a)->array_length && builtin->id != BUILTIN_PRINTF) {
+        if ((*a)->array_length && !is_neutral) {
             compile_error(k->c, &(*a)->at, "%s() does not take an array", e->name);
             is_wrong = true;
         }
@@ -120,7 +148,9 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     int i = 0;
     for (struct ast_expression **a = &e->arguments; *a; a = &(*a)->next, i++) {
         struct ast_expression *next = (*a)->next;
-        if (written >> i & 1)
+        if (is_neutral)
+            ;
+        else if (written >> i & 1)
             check_written(k, *a);
         else if (parameters[i] != TYPE_TRIPLE)
             *a = check_convert(k, *a, parameters[i]);
@@ -128,14 +158,23 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     }
     if (builtin->id == BUILTIN_CTRANSFORM)
         check_color_spaces(k, e);
-    if (builtin->id == BUILTIN_PRINTF)
-        compile_warning(k->c, &e->at, "printf is ignored");
+    check_neutral(k, e);
     return e;
+}
+
+static struct ast_function *prelude_overload(struct checker *k, struct ast_function *function,
+                                             int count) {
+    for (struct ast_function *f = k->prelude; f; f = f->next)
+        if (f->formal_count == count && !strcmp(f->name, function->name))
+            return f;
+    return function;
 }
 
 struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
                                   enum ast_type wanted) {
     struct ast_function *function = scope_find_function(k, e->name);
+    if (function && function->is_prelude) /* these may differ in how many arguments they take */
+        function = prelude_overload(k, function, e->argument_count);
     const struct builtin *builtin = builtin_find(e->name);
     if (function && !(function->is_prelude && builtin))
         return check_user_call(k, e, function);

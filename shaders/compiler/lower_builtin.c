@@ -213,8 +213,11 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     struct arguments a = {0};
     struct ir_value difference;
     const char *to;
-    for (struct ast_expression *x = e->arguments; x && e->builtin->id != BUILTIN_PRINTF;
-         x = x->next) {
+    float neutral;
+    if (builtin_neutral(e->builtin->id, &neutral))
+        return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
+                                      : lower_constant(neutral, ast_type_width(e->type));
+    for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_expression(l, x);
     }
@@ -265,8 +268,6 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
                                  &a.value[a.count - 1]);
     case BUILTIN_AMBIENT:
         return lower_ambient(l, e);
-    case BUILTIN_PRINTF:
-        return lower_constant(0, 1);
     default:
         return lower_one_float(l, e, &a);
     }

@@ -27,9 +27,13 @@ static const struct {
      "test.sl:1:20: error: there is no function 'normalise'; did you mean 'normalize'?\n"
      "surface a() { Ci = normalise(N); }\n"
      "                   ^"},
-    {"surface a() { Ci = texture(\"x\"); }",
-     "test.sl:1:20: error: texture() is not supported: image textures are not there yet\n"
-     "surface a() { Ci = texture(\"x\"); }\n"
+    {"surface a() { Ci = area(P); }",
+     "test.sl:1:20: error: area() is not supported: it needs derivatives\n"
+     "surface a() { Ci = area(P); }\n"
+     "                   ^"},
+    {"surface a() { Ci = color \"lab\" (1, 2, 3); }",
+     "test.sl:1:20: error: unknown color space \"lab\"; there are rgb, hsv, hsl, YIQ and xyz\n"
+     "surface a() { Ci = color \"lab\" (1, 2, 3); }\n"
      "                   ^"},
     {"surface a() {\n  uniform float k = s;\n  Ci = k;\n}",
      "test.sl:2:21: error: a value that varies is assigned to uniform 'k'\n  uniform float k = "

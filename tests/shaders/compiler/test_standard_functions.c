@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "shader_harness.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Standard functions against their definitions in plain C; every width must give the same bits. */
+
+static const int widths[] = {4, 8, 16};
+
+static void run(const char *source, struct harness_result *result) {
+    for (int w = 0; w < 3; w++) {
+        struct harness h;
+        struct harness_result one;
+        harness_open(&h, source, widths[w], NULL);
+        harness_run(&h, NULL, 0, &one);
+        harness_close(&h);
+        if (w)
+            assert_memory_equal(one.color, result->color, sizeof one.color);
+        *result = one;
+    }
+}
+
+/* The surface sets Ci; `expected` says what its components are where s is i. */
+static void assert_colors(const char *source, void (*expected)(double i, double color[3])) {
+    struct harness_result result;
+    run(source, &result);
+    for (int n = 0; n < HARNESS_SAMPLES; n++) {
+        double color[3];
+        expected((double)n, color);
+        for (int c = 0; c < 3; c++)
+            if (!(fabs((double)result.color[c][n] - color[c]) <= 2e-5 * (1 + fabs(color[c]))))
+                fail_msg("%s\ncomponent %d at s = %d is %g, not %g", source, c, n,
+                         (double)result.color[c][n], color[c]);
+    }
+}
+
+/* All that a compilation warns of, one line each, without place and excerpt. */
+static void assert_warnings(const char *source, const char *wanted) {
+    struct status status = {0};
+    struct shader_program *program = harness_compile(source, NULL, &status);
+    char all[4096] = "";
+    if (!program)
+        fail_msg("%s", status.message);
+    for (int i = 0; i < program->warning_count; i++) {
+        const char *text = strstr(program->warnings[i], "warning: ") + 9, *end = strchr(text, '\n');
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%.*s\n", (int)(end - text), text);
+    }
+    assert_string_equal(all, wanted);
+    shader_program_destroy(program);
+}
+
+static void turned(double i, double color[3]) {
+    double a = i / 3;
+    color[0] = 1 + 2 * cos(a) + 5 * sin(a);
+    color[1] = 1 - 2 * sin(a) + 5 * cos(a);
+    color[2] = i;
+}
+
+static void rotate_turns_about_a_line(void **state) {
+    /* about the line through (1, 1, *) along -z */
+    assert_colors("surface a() { Ci = color (rotate(point (3, 6, s), s / 3, point (1, 1, 2), "
+                  "point (1, 1, -1))); }",
+                  turned);
+}
+
+static void distances(double i, double color[3]) {
+    color[0] = i <= 4 ? hypot(4 - i, 3) : i <= 10 ? 3 : hypot(i - 10, 3);
+    color[1] = hypot(i, 3);
+    color[2] = 3.14159265358979;
+}
+
+static void ptlined_is_the_distance_to_a_stretch(void **state) {
+    assert_colors("surface a() { Ci = color (ptlined(point (4, 0, 0), point (10, 0, 0), point (s, "
+                  "3, 0)), ptlined(point (0, 0, 0), point (0, 0, 0), point (s, 3, 0)), PI); }",
+                  distances);
+}
+
+static void glass(double i, double color[3]) {
+    double angle = i / 12, eta = 1 / 1.5, c = cos(angle), t = asin(eta * sin(angle));
+    double g = sqrt(1 / (eta * eta) - 1 + c * c), a = (g - c) / (g + c);
+    double b = (c * (g + c) - 1) / (c * (g - c) + 1);
+    color[0] = 0.5 * a * a * (1 + b * b);
+    color[1] = cos(angle);
+    color[2] = -cos(t);
+}
+
+static void fresnel_gives_directions_when_asked(void **state) {
+    assert_colors("surface a() { float kr, kt; vector r, t; vector i = vector (sin(s / 12), 0, "
+                  "-cos(s / 12));\n"
+                  "  fresnel(i, normal (0, 0, 1), 1 / 1.5, kr, kt, r, t);\n"
+                  "  if (abs(kr + kt - 1) > 0.000001) kr = -1;\n"
+                  "  Ci = color (kr, zcomp(r), zcomp(t)); }",
+                  glass);
+}
+
+static void yiq(double i, double color[3]) {
+    double r = i / 10, g = 0.25, b = 0.75;
+    color[0] = 0.299 * r + 0.587 * g + 0.114 * b;
+    color[1] = 0.596 * r - 0.275 * g - 0.321 * b;
+    color[2] = 0.212 * r - 0.523 * g + 0.311 * b;
+}
+
+static void xyz(double i, double color[3]) {
+    double r = i / 10, g = 0.25, b = 0.75;
+    color[0] = 0.412453 * r + 0.357580 * g + 0.180423 * b;
+    color[1] = 0.212671 * r + 0.715160 * g + 0.072169 * b;
+    color[2] = 0.019334 * r + 0.119193 * g + 0.950227 * b;
+}
+
+static void back(double i, double color[3]) {
+    color[0] = i / 10;
+    color[1] = 0.25;
+    color[2] = 0.75;
+}
+
+static void color_spaces_are_the_television_engineers(void **state) {
+    assert_colors("surface a() { Ci = ctransform(\"YIQ\", color (s / 10, 0.25, 0.75)); }", yiq);
+    assert_colors("surface a() { Ci = ctransform(\"xyz\", color (s / 10, 0.25, 0.75)); }", xyz);
+    assert_colors("surface a() { color c = color (s / 10, 0.25, 0.75);\n"
+                  "  Ci = 0.5 * ctransform(\"YIQ\", \"rgb\", ctransform(\"YIQ\", c)) +\n"
+                  "       0.5 * ctransform(\"xyz\", \"rgb\", ctransform(\"xyz\", c)); }",
+                  back);
+}
+
+static void old(double i, double color[3]) {
+    color[0] = i;
+    color[1] = -1;
+    color[2] = 1;
+}
+
+/* Shaders older than the types vector and normal say point. */
+static void points_serve_as_directions(void **state) {
+    assert_colors("point turn(point n; point i) { return faceforward(normalize(n), i); }\n"
+                  "surface a(point from = point \"camera\" (0, 0, 0); float unused = 0;) {\n"
+                  "  point Nf = turn(N, I), V = normalize(-I), d = P - from;\n"
+                  "  point R = reflect(normalize(I), Nf);\n"
+                  "  point side = Nf ^ V; setxcomp(d, xcomp(d) + length(side));\n"
+                  "  Ci = color (xcomp(d), zcomp(R) * (Nf . Nf), V . Nf)\n"
+                  "     + diffuse(Nf) + specular(Nf, V, 0.1); }",
+                  old);
+}
+
+static void missing_parts_have_a_value_and_a_warning(void **state) {
+    const char *source =
+        "surface a(string map = \"wood.tif\"; float Kd = 0.5;) {\n"
+        "  float f = 7, g;\n"
+        "  color c = texture(map, s, t, \"blur\", 0.1) + color environment(\"sky\", reflect(I, "
+        "N));\n"
+        "  float d = texture(map[1]) + shadow(\"s.z\", P);\n"
+        "  g = surface(\"Kd\", f) + lightsource(\"intensity\", f) + attribute(\"name\", c) + Kd;\n"
+        "  printf(\"%f\", f); string n = format(\"%d\", f);\n"
+        "  Ci = color (comp(c, 0), d, g + f) * (n == \"\" ? 1 : 9) * (1 - match(\"a\", map)) \n"
+        "     + trace(P, N); }";
+    struct harness_result result;
+    run(source, &result);
+    assert_true(result.color[0][3] == 1 && result.color[1][3] == 1 && result.color[2][3] == 7.5f);
+    assert_warnings(source, "texture() is always 1: there are no image textures\n"
+                            "environment() is always 0: there are no image textures\n"
+                            "texture() is always 1: there are no image textures\n"
+                            "shadow() is always 0: there are no shadows\n"
+                            "surface() is always 0: shaders cannot ask about others\n"
+                            "lightsource() is always 0: shaders cannot ask about others\n"
+                            "attribute() is always 0: shaders cannot ask about others\n"
+                            "printf is ignored\n"
+                            "format() makes strings while compiling only; this one is empty\n"
+                            "match() is always 0: there are no patterns\n"
+                            "trace() is always 0: there is no ray tracing\n");
+}
+
+static void strings_written_out_are_joined(void **state) {
+    struct harness_result result;
+    const char *source = "surface a(string where = concat(\"wor\", \"ld\");) {\n"
+                         "  string f = format(\"shader\");\n"
+                         "  Ci = color (where == \"world\" ? 1 : 0, f == \"shader\" ? 1 : 0,\n"
+                         "    xcomp(transform(concat(\"cam\", \"era\"), P))); }";
+    run(source, &result);
+    assert_true(result.color[0][5] == 1 && result.color[1][5] == 1 && result.color[2][5] == 5);
+    assert_warnings(source, "");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rotate_turns_about_a_line),
+        cmocka_unit_test(ptlined_is_the_distance_to_a_stretch),
+        cmocka_unit_test(fresnel_gives_directions_when_asked),
+        cmocka_unit_test(color_spaces_are_the_television_engineers),
+        cmocka_unit_test(points_serve_as_directions),
+        cmocka_unit_test(missing_parts_have_a_value_and_a_warning),
+        cmocka_unit_test(strings_written_out_are_joined),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
