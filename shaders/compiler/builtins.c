@@ -50,7 +50,6 @@ static const struct {
     {"calculatenormal", "it needs derivatives"},
     {"cellnoise", "not there yet"},
     {"pnoise", "not there yet"},
-    {"spline", "not there yet"},
     {"random", "it would not be the same on every run"},
     {"depth", "not there yet"},
     {"determinant", "matrices are not supported yet"},
@@ -188,7 +187,7 @@ static int overload_cost(const char *text, const char **next, const enum ast_typ
                 cost = one < 0 ? -1 : cost + one;
             if (at < count) {
                 parameters[at] = type;
-                *written_mask |= (uint32_t)is_written << at;
+                *written_mask |= is_written ? 1u << at : 0; /* such arguments come early */
             }
             at++;
         }

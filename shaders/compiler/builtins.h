@@ -53,6 +53,7 @@
     X(NTRANSFORM, "ntransform", "n:sn n:ssn")                                                      \
     X(CTRANSFORM, "ctransform", "c:sc c:ssc")                                                      \
     X(AMBIENT, "ambient", "c:")                                                                    \
+    X(SPLINE, "spline", "") /* check_call.c */                                                     \
     X(PRINTF, "printf", "0:s.*")                                                                   \
     X(FORMAT, "format", "s:s.*")                                                                   \
     X(CONCAT, "concat", "s:ss*")                                                                   \
@@ -81,7 +82,7 @@ enum builtin_id {
         BUILTIN_COUNT
 };
 
-enum { BUILTIN_ARGUMENTS_MAX = 32 };
+enum { BUILTIN_ARGUMENTS_MAX = 64 };
 
 struct builtin {
     enum builtin_id id;

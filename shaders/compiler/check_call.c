@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/check.h"
+#include "shaders/compiler/splines.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -109,6 +110,52 @@ static void check_neutral(struct checker *k, struct ast_expression *e) {
                         e->name, reason);
 }
 
+/* The one type of a spline's values: the first that is said, or what the context wants of (x, y,
+ * z). */
+static enum ast_type spline_type(const struct ast_expression *values, enum ast_type wanted) {
+    enum ast_type type = TYPE_FLOAT;
+    for (const struct ast_expression *a = values; a; a = a->next)
+        if (type == TYPE_FLOAT || (type == TYPE_TRIPLE && ast_type_is_triple(a->type)))
+            type = a->type;
+    if (type == TYPE_TRIPLE)
+        return ast_type_is_triple(wanted) ? wanted : TYPE_COLOR;
+    return type;
+}
+
+/* spline([basis,] x, value, value, ...) or spline([basis,] x, array), its arguments checked already
+ */
+static struct ast_expression *check_spline(struct checker *k, struct ast_expression *e,
+                                           enum ast_type wanted) {
+    struct ast_expression **a = &e->arguments;
+    if (*a && (*a)->type == TYPE_STRING) {
+        if (!is_literal(*a) || !spline_basis_find((*a)->name)) {
+            compile_error(k->c, &(*a)->at,
+                          "the basis of a spline is \"catmull-rom\", \"bezier\", \"bspline\", "
+                          "\"hermite\" or \"linear\", written out");
+            return fail(e);
+        }
+        a = &(*a)->next;
+    }
+    if (!*a || !(*a)->next) {
+        compile_error(k->c, &e->at, "spline() takes a position and values or an array");
+        return fail(e);
+    }
+    bool is_array = (*a)->next->array_length != 0;
+    e->type = spline_type((*a)->next, wanted);
+    if (e->type != TYPE_FLOAT && !ast_type_is_triple(e->type)) {
+        compile_error(k->c, &(*a)->next->at, "there are no splines of %s", ast_type_name(e->type));
+        return fail(e);
+    }
+    for (int i = 0; *a; a = &(*a)->next, i++) {
+        struct ast_expression *next = (*a)->next;
+        if (i == 1 && is_array && !next)
+            break;
+        *a = check_convert(k, *a, i ? e->type : TYPE_FLOAT);
+        (*a)->next = next;
+    }
+    return e;
+}
+
 static struct ast_expression *check_builtin_call(struct checker *k, struct ast_expression *e,
                                                  const struct builtin *builtin,
                                                  enum ast_type wanted) {
@@ -127,7 +174,7 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         *a = check_expression(k, *a, TYPE_ERROR);
         (*a)->next = next;
         is_wrong |= (*a)->type == TYPE_ERROR;
-        if ((*a)->array_length && !is_neutral) {
+        if ((*a)->array_length && !is_neutral && builtin->id != BUILTIN_SPLINE) {
             compile_error(k->c, &(*a)->at, "%s() does not take an array", e->name);
             is_wrong = true;
         }
@@ -135,6 +182,8 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     }
     if (is_wrong)
         return fail(e);
+    if (builtin->id == BUILTIN_SPLINE)
+        return check_spline(k, e, wanted);
     if (!builtin_resolve(builtin, types, count, wanted, &e->type, parameters, &written)) {
         char list[160] = "";
         for (int i = 0; i < count && i < 6; i++) {
@@ -150,7 +199,7 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         struct ast_expression *next = (*a)->next;
         if (is_neutral)
             ;
-        else if (written >> i & 1)
+        else if (i < 32 && written >> i & 1)
             check_written(k, *a);
         else if (parameters[i] != TYPE_TRIPLE)
             *a = check_convert(k, *a, parameters[i]);

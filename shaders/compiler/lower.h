@@ -89,6 +89,8 @@ struct ir_value lower_color_space(struct lowering *l, const struct ast_expressio
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
 /* lower_builtin.c */
 struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e);
+/* lower_spline.c */
+struct ir_value lower_spline(struct lowering *l, struct ast_expression *e);
 /* lower_call.c */
 struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e);
 struct ir_value lower_prelude_call(struct lowering *l, const struct source_location *at,

@@ -217,6 +217,8 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     if (builtin_neutral(e->builtin->id, &neutral))
         return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
                                       : lower_constant(neutral, ast_type_width(e->type));
+    if (e->builtin->id == BUILTIN_SPLINE)
+        return lower_spline(l, e);
     for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_expression(l, x);

@@ -31,6 +31,15 @@ static const struct {
      "test.sl:1:20: error: area() is not supported: it needs derivatives\n"
      "surface a() { Ci = area(P); }\n"
      "                   ^"},
+    {"surface a() { Ci = spline(\"bezier\", s, 1, 2, 3, 4, 5); }",
+     "test.sl:1:20: error: a bezier spline has 4 values and 3 more for each further segment, not "
+     "5\n"
+     "surface a() { Ci = spline(\"bezier\", s, 1, 2, 3, 4, 5); }\n"
+     "                   ^"},
+    {"surface a() { Ci = spline(s, \"x\", 2, 3, 4, 5); }",
+     "test.sl:1:30: error: there are no splines of string\n"
+     "surface a() { Ci = spline(s, \"x\", 2, 3, 4, 5); }\n"
+     "                             ^"},
     {"surface a() { Ci = color \"lab\" (1, 2, 3); }",
      "test.sl:1:20: error: unknown color space \"lab\"; there are rgb, hsv, hsl, YIQ and xyz\n"
      "surface a() { Ci = color \"lab\" (1, 2, 3); }\n"

@@ -185,6 +185,89 @@ static void strings_written_out_are_joined(void **state) {
     assert_warnings(source, "");
 }
 
+/* Each basis by its meaning, not by its matrix. */
+static const double knots[10] = {3, 1, 4, 1.5, 9, 2.5, 6, 5, 3.5, 8};
+
+static double mixed(double a, double b, double t) {
+    return a + (b - a) * t;
+}
+
+static double bezier(const double *v, double t) { /* de Casteljau */
+    double a = mixed(v[0], v[1], t), b = mixed(v[1], v[2], t), c = mixed(v[2], v[3], t);
+    return mixed(mixed(a, b, t), mixed(b, c, t), t);
+}
+
+static double hermite(double from, double from_slope, double to, double to_slope, double t) {
+    const double v[4] = {from, from + from_slope / 3, to - to_slope / 3, to};
+    return bezier(v, t);
+}
+
+static double bspline(const double *v, double t) { /* de Boor */
+    double a = mixed(v[0], v[1], (t + 2) / 3), b = mixed(v[1], v[2], (t + 1) / 3),
+           c = mixed(v[2], v[3], t / 3);
+    return mixed(mixed(a, b, (t + 1) / 2), mixed(b, c, t / 2), t);
+}
+
+static double spline_at(const char *basis, double x, int count) {
+    int step = !strcmp(basis, "bezier") ? 3 : !strcmp(basis, "hermite") ? 2 : 1;
+    int spans = (count - 4) / step + 1;
+    x = x < 0 ? 0 : x > 1 ? 1 : x;
+    int segment = (int)floor(x * spans);
+    segment = segment > spans - 1 ? spans - 1 : segment;
+    double t = x * spans - segment;
+    const double *v = knots + segment * step;
+    if (step == 3)
+        return bezier(v, t);
+    if (step == 2)
+        return hermite(v[0], v[1], v[2], v[3], t);
+    if (!strcmp(basis, "bspline"))
+        return bspline(v, t);
+    if (!strcmp(basis, "linear"))
+        return mixed(v[1], v[2], t);
+    return hermite(v[1], (v[2] - v[0]) / 2, v[2], (v[3] - v[1]) / 2, t);
+}
+
+static void splines_are_what_their_names_say(void **state) {
+    static const char *const names[] = {"catmull-rom", "bezier", "bspline", "hermite", "linear"};
+    for (size_t b = 0; b < 5; b++)
+        for (int count = 4; count <= 10; count += 6) {
+            char source[1024], list[256] = "";
+            struct harness_result result;
+            for (int i = 0; i < count; i++)
+                snprintf(list + strlen(list), sizeof list - strlen(list), "%s%g", i ? ", " : "",
+                         knots[i]);
+            snprintf(source, sizeof source,
+                     "float at(float x; float v[]) { return spline(\"%s\", x, v); }\n"
+                     "surface a() { float v[] = {%s}; float x = (s - 1) / 12.5;\n"
+                     "  Ci = color (spline(\"%s\", x, %s), at(x, v), spline(\"%s\", 0.3, v)); }",
+                     names[b], list, names[b], list, names[b]);
+            run(source, &result);
+            for (int n = 0; n < HARNESS_SAMPLES; n++) {
+                double wanted = spline_at(names[b], (n - 1) / 12.5, count);
+                if (fabs((double)result.color[0][n] - wanted) > 2e-5)
+                    fail_msg("%s of %d at s = %d is %g, not %g", names[b], count, n,
+                             (double)result.color[0][n], wanted);
+                assert_true(result.color[1][n] == result.color[0][n]);
+                assert_true(fabs((double)result.color[2][n] - spline_at(names[b], 0.3, count)) <
+                            2e-5);
+            }
+        }
+}
+
+static void spline_of_triples(double i, double color[3]) {
+    for (int c = 0; c < 3; c++)
+        color[c] = spline_at("catmull-rom", i / 15, 4 + 1) * (c == 1 ? 2 : 1) + (c == 2);
+}
+
+static void splines_of_colors_and_points_go_by_component(void **state) {
+    assert_colors("surface a() { Ci = spline(s / 15, color (3, 6, 4), (1, 2, 2), (4, 8, 5), "
+                  "color (1.5, 3, 2.5), (9, 18, 10)); }",
+                  spline_of_triples);
+    assert_colors("surface a() { point p[5] = {(3, 6, 4), (1, 2, 2), (4, 8, 5), (1.5, 3, 2.5), "
+                  "(9, 18, 10)}; Ci = color spline(s / 15, p); }",
+                  spline_of_triples);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rotate_turns_about_a_line),
@@ -194,6 +277,8 @@ int main(void) {
         cmocka_unit_test(points_serve_as_directions),
         cmocka_unit_test(missing_parts_have_a_value_and_a_warning),
         cmocka_unit_test(strings_written_out_are_joined),
+        cmocka_unit_test(splines_are_what_their_names_say),
+        cmocka_unit_test(splines_of_colors_and_points_go_by_component),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
