@@ -35,7 +35,13 @@
     X(CEIL, "ceil", "f:f")                                                                         \
     X(ROUND, "round", "f:f")                                                                       \
     X(STEP, "step", "f:ff")                                                                        \
-    X(NOISE, "noise", "f:f f:ff f:p c:f c:ff c:p p:f p:ff p:p v:f v:ff v:p")                       \
+    X(NOISE, "noise", "f:f f:ff f:p f:pf c:f c:ff c:p c:pf p:f p:ff p:p p:pf v:f v:ff v:p v:pf")   \
+    X(CELLNOISE, "cellnoise",                                                                      \
+      "f:f f:ff f:p f:pf c:f c:ff c:p c:pf p:f p:ff p:p p:pf v:f v:ff v:p v:pf")                   \
+    X(PNOISE, "pnoise",                                                                            \
+      "f:ff f:ffff f:pp f:pfpf c:ff c:ffff c:pp c:pfpf p:ff p:ffff p:pp p:pfpf v:ff v:ffff v:pp "  \
+      "v:pfpf")                                                                                    \
+    X(RANDOM, "random", "f: c: p:")                                                                \
     X(XCOMP, "xcomp", "f:t")                                                                       \
     X(YCOMP, "ycomp", "f:t")                                                                       \
     X(ZCOMP, "zcomp", "f:t")                                                                       \

@@ -268,6 +268,112 @@ static void splines_of_colors_and_points_go_by_component(void **state) {
                   spline_of_triples);
 }
 
+static void assert_each(const struct harness_result *result, int component, double low,
+                        double high) {
+    for (int n = 0; n < HARNESS_SAMPLES; n++) {
+        double value = (double)result->color[component][n];
+        if (!(value >= low && value <= high))
+            fail_msg("component %d at s = %d is %g", component, n, value);
+    }
+}
+
+static int different(const struct harness_result *result, int component) {
+    int count = 0;
+    for (int n = 0; n < HARNESS_SAMPLES; n++) {
+        bool is_new = true;
+        for (int m = 0; m < n; m++)
+            is_new &= result->color[component][m] != result->color[component][n];
+        count += is_new;
+    }
+    return count;
+}
+
+static void cell_noise_is_one_value_for_each_cell(void **state) {
+    struct harness_result result;
+    run("surface a() { Ci = color (cellnoise(s / 4 - 2), cellnoise(point (s / 4, 0.5, 7.9)) - "
+        "cellnoise(point (floor(s / 4), 0, 7)), cellnoise(P, s)); }",
+        &result);
+    assert_int_equal(different(&result, 0), 4);
+    assert_each(&result, 0, 0, 0.99999994);
+    assert_each(&result, 1, 0, 0);
+    assert_int_equal(different(&result, 2), 16);
+    run("surface a() { color c = cellnoise(s, t); float f = cellnoise(s, t); point p = "
+        "cellnoise(1.5);\n"
+        "  Ci = color (comp(c, 0) - f, comp(c, 1), xcomp(p) - cellnoise(1)); }",
+        &result);
+    assert_each(&result, 0, 0, 0);
+    assert_int_equal(different(&result, 1), 16);
+    assert_each(&result, 2, 0, 0);
+}
+
+static void noise_in_four_dimensions_is_smooth_and_centred(void **state) {
+    struct harness_result result;
+    /* 1/2 on the lattice; continuous across cells; the time axis matters */
+    run("surface a() { point p = point (s * 0.3, 0.4, 0.7);\n"
+        "  Ci = color (noise(point (s, 2, -3), 5), \n"
+        "    abs(noise(p, s - 0.0001) - noise(p, s + 0.0001)), noise(p, s * 0.37)); }",
+        &result);
+    assert_each(&result, 0, 0.5, 0.5);
+    assert_each(&result, 1, 0, 0.001);
+    assert_each(&result, 2, 0, 1);
+    assert_true(different(&result, 2) > 12);
+    run("surface a() { color c = noise(P * 0.31, t); float f = noise(P * 0.31, t), i, sum = 0;\n"
+        "  for (i = 0; i < 200; i += 1) sum += noise(P * 0.23 * i, i * 0.71);\n"
+        "  Ci = color (comp(c, 0) - f, comp(c, 2), sum / 200); }",
+        &result);
+    assert_each(&result, 0, 0, 0);
+    assert_true(different(&result, 1) > 12);
+    assert_each(&result, 2, 0.42, 0.58);
+}
+
+static void periodic_noise_repeats(void **state) {
+    struct harness_result result;
+    run("surface a() { float x = s / 4 + 0.125; point p = point (x, 0.25, 1.75);\n"
+        "  Ci = color (pnoise(x, 3) - pnoise(x - 9, 3.5), \n"
+        "    pnoise(p, point (2, 5, 7)) - pnoise(p + vector (4, -5, 14), point (2, 5, 7)),\n"
+        "    pnoise(p, x, point (2, 5, 7), 4) - pnoise(p, x + 8, point (2, 5, 7), 4)); }",
+        &result);
+    for (int c = 0; c < 3; c++)
+        assert_each(&result, c, 0, 0);
+    run("surface a() { float x = s * 0.37; color c = pnoise(x, t, 4, 8);\n"
+        "  Ci = color (pnoise(x, 100), comp(c, 1), \n"
+        "    abs(pnoise(s - 0.0001, 5) - pnoise(s + 0.0001, 5)) + comp(c, 0) - pnoise(x, t, 4, "
+        "8)); "
+        "}",
+        &result);
+    assert_each(&result, 0, 0, 1);
+    assert_true(different(&result, 0) > 8 && different(&result, 1) > 8);
+    assert_each(&result, 2, 0, 0.001);
+}
+
+static void noises_of_uniform_values_are_the_same(void **state) {
+    struct harness_result result;
+    run("surface a(float k = 0.3;) { float z = s * 0 + k;\n"
+        "  Ci = color (cellnoise(k, 7) - cellnoise(z, 7),\n"
+        "    noise(point (k, 1.25, 2), k) - noise(point (z, 1.25, 2), z),\n"
+        "    pnoise(k, 4) + xcomp(point pnoise(k, 4)) - 2 * pnoise(z, 4)); }",
+        &result);
+    for (int c = 0; c < 3; c++)
+        assert_each(&result, c, 0, 0);
+}
+
+static void random_differs_by_call_and_sample_but_not_by_run(void **state) {
+    struct harness_result result, again;
+    const char *source =
+        "surface a() { float i, sum = 0; for (i = 0; i < 100; i += 1) sum += random();\n"
+        "  if (s > 7) sum += random();\n"
+        "  color c = random(); Ci = color (comp(c, 0), comp(c, 1), sum / 100); }";
+    run(source, &result);
+    run(source, &again);
+    assert_memory_equal(&result.color, &again.color, sizeof again.color);
+    assert_int_equal(different(&result, 0), 16);
+    assert_int_equal(different(&result, 2), 16);
+    assert_each(&result, 0, 0, 0.99999994);
+    assert_each(&result, 2, 0.35, 0.65);
+    for (int n = 0; n < HARNESS_SAMPLES; n++)
+        assert_true(result.color[0][n] != result.color[1][n]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rotate_turns_about_a_line),
@@ -279,6 +385,11 @@ int main(void) {
         cmocka_unit_test(strings_written_out_are_joined),
         cmocka_unit_test(splines_are_what_their_names_say),
         cmocka_unit_test(splines_of_colors_and_points_go_by_component),
+        cmocka_unit_test(cell_noise_is_one_value_for_each_cell),
+        cmocka_unit_test(noise_in_four_dimensions_is_smooth_and_centred),
+        cmocka_unit_test(periodic_noise_repeats),
+        cmocka_unit_test(noises_of_uniform_values_are_the_same),
+        cmocka_unit_test(random_differs_by_call_and_sample_but_not_by_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
