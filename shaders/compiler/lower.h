@@ -34,6 +34,7 @@ struct lowering {
     struct ir_list *list;  /* being appended to */
     struct ir_list *scope; /* where variables of the user are declared: never a guard */
     struct lower_call *call;
+    int depth; /* of the recursion over expressions, through inlined functions */
     const struct source_location *site; /* of the call into the prelude, NULL outside of it */
     bool in_default; /* evaluating a parameter's default: points are in shader space */
     struct ir_value light_direction, light_color; /* inside illuminance; count 0 outside */

@@ -146,12 +146,40 @@ static void limits_are_errors(void **state) {
     assert_int_equal(status.code, STATUS_LIMIT);
 }
 
+static void long_chains_of_calls_end_in_a_message(void **state) {
+    enum { FUNCTIONS = 5000, SIZE = 1 << 19 };
+    char *source = calloc(SIZE, 1);
+    struct status status = {0};
+    size_t used = (size_t)sprintf(source, "float f0(float x) { return x; }\n");
+    for (int i = 1; i < FUNCTIONS; i++)
+        used += (size_t)snprintf(source + used, SIZE - used,
+                                 "float f%d(float x) { return 1 + f%d(x); }\n", i, i - 1);
+    snprintf(source + used, SIZE - used, "surface a() { Ci = f%d(s); }", FUNCTIONS - 1);
+    assert_null(harness_compile(source, NULL, &status));
+    assert_int_equal(status.code, STATUS_LIMIT);
+    assert_non_null(strstr(status.message, "nested too deep once functions are inlined"));
+    /* 1000 operators in a row and 100 calls inside each other stay possible */
+    strcpy(source, "float f0(float x) { return x; }\n");
+    for (int i = 1; i <= 100; i++)
+        sprintf(source + strlen(source), "float f%d(float x) { return 1 + f%d(x); }\n", i, i - 1);
+    strcat(source, "surface a() { Ci = f100(s)");
+    for (int i = 0; i < 990; i++)
+        strcat(source, " + t");
+    strcat(source, "; }");
+    struct shader_program *program = harness_compile(source, NULL, &status);
+    if (!program)
+        fail_msg("%s", status.message);
+    shader_program_destroy(program);
+    free(source);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_mistake_is_shown_where_it_is),
         cmocka_unit_test(at_most_eight_errors_are_reported),
         cmocka_unit_test(a_uniform_parameter_cannot_come_with_the_primitives),
         cmocka_unit_test(limits_are_errors),
+        cmocka_unit_test(long_chains_of_calls_end_in_a_message),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
