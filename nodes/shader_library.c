@@ -87,6 +87,45 @@ static bool not_found(const struct shader_library *library, const char *name,
                        at->file ? at->file : "scene", at->line, at->column, name, name, folders);
 }
 
+/* Files that the shader being compiled includes: looked for next to the shader, then in the library's folders. */
+struct included {
+    const struct shader_library *library;
+    const char *shader_path;
+    char **texts; /* all read so far */
+    size_t count, capacity;
+};
+
+static FILE *open_included(const struct included *included, const char *name) {
+    char path[PATH_BYTES];
+    const char *slash = strrchr(included->shader_path, '/');
+    if (name[0] == '/')
+        return fopen(name, "rb");
+    snprintf(path, sizeof path, "%.*s%s", slash ? (int)(slash - included->shader_path) + 1 : 0,
+             included->shader_path, name);
+    FILE *file = fopen(path, "rb");
+    for (int i = 0; i < included->library->folder_count && !file; i++) {
+        snprintf(path, sizeof path, "%s/%s", included->library->folders[i], name);
+        file = fopen(path, "rb");
+    }
+    return file;
+}
+
+/* shader_compile_options.read_include; one byte more than the limit is read so that the compiler sees it exceeded. */
+static const char *read_included(void *context, const char *name, size_t *length) {
+    struct included *included = context;
+    FILE *file = open_included(included, name);
+    if (!file)
+        return NULL;
+    char *text = memory_get(SOURCE_BYTES_MAX + 2, 1);
+    *length = fread(text, 1, SOURCE_BYTES_MAX + 1, file);
+    const bool is_read = !ferror(file);
+    fclose(file);
+    included->texts =
+        memory_grow(included->texts, &included->capacity, included->count + 1, sizeof *included->texts);
+    included->texts[included->count++] = text;
+    return is_read ? text : NULL;
+}
+
 static bool compile(struct shader_library *library, const char *name, const char *const *material,
                     int material_count, const struct scene_location *at, struct shader_program **program,
                     struct status *status) {
@@ -98,9 +137,17 @@ static bool compile(struct shader_library *library, const char *name, const char
     const size_t length = fread(text, 1, SOURCE_BYTES_MAX + 1, file);
     const bool is_read = !ferror(file);
     fclose(file);
-    const struct shader_compile_options options = {material, material_count, library->fast_math};
+    struct included included = {.library = library, .shader_path = path};
+    const struct shader_compile_options options = {.material = material,
+                                                   .material_count = material_count,
+                                                   .fast_math = library->fast_math,
+                                                   .read_include = read_included,
+                                                   .read_include_context = &included};
     bool ok = is_read ? shader_compile(path, text, length, &options, program, status)
                       : status_fail(status, STATUS_IO, "cannot read %s: %s", path, strerror(errno));
+    for (size_t i = 0; i < included.count; i++)
+        free(included.texts[i]);
+    free(included.texts);
     free(text);
     return ok;
 }

@@ -32,6 +32,7 @@ const struct ast_global globals[] = {
     {"du", TYPE_FLOAT, GLOBAL_ABSENT_DERIVATIVE, GLOBAL_ZERO},
     {"dv", TYPE_FLOAT, GLOBAL_ABSENT_DERIVATIVE, GLOBAL_ZERO},
     {"time", TYPE_FLOAT, GLOBAL_ZERO, GLOBAL_ZERO},
+    {"PI", TYPE_FLOAT, GLOBAL_PI, GLOBAL_PI},
     {"ncomps", TYPE_FLOAT, GLOBAL_THREE, GLOBAL_THREE},
 };
 const int global_count = sizeof globals / sizeof *globals;
@@ -39,41 +40,58 @@ const int global_count = sizeof globals / sizeof *globals;
 static const struct {
     const char *name, *reason;
 } missing[] = {
+    {"filterwidth", "it needs derivatives"},
+    {"filterwidthp", "it needs derivatives"},
+    {"filterstep", "it needs derivatives"},
     {"area", "it needs derivatives"},
     {"Du", "it needs derivatives"},
     {"Dv", "it needs derivatives"},
     {"Deriv", "it needs derivatives"},
     {"calculatenormal", "it needs derivatives"},
-    {"texture", "image textures are not there yet"},
-    {"environment", "image textures are not there yet"},
-    {"shadow", "image textures are not there yet"},
-    {"bump", "image textures are not there yet"},
-    {"textureinfo", "image textures are not there yet"},
-    {"trace", "there is no ray tracing"},
-    {"cellnoise", "not there yet"},
-    {"pnoise", "not there yet"},
-    {"spline", "not there yet"},
-    {"random", "it would not be the same on every run"},
     {"depth", "not there yet"},
-    {"opposite", "there are no message functions"},
-    {"lightsource", "there are no message functions"},
-    {"surface", "there are no message functions"},
-    {"displacement", "there are no message functions"},
-    {"atmosphere", "there are no message functions"},
-    {"incident", "there are no message functions"},
-    {"attribute", "there are no message functions"},
-    {"option", "there are no message functions"},
-    {"rendererinfo", "there are no message functions"},
-    {"format", "strings are only compared"},
-    {"concat", "strings are only compared"},
-    {"match", "strings are only compared"},
-    {"shadername", "strings are only compared"},
     {"determinant", "matrices are not supported yet"},
-    {"rotate", "not there yet"},
     {"translate", "matrices are not supported yet"},
     {"scale", "matrices are not supported yet"},
-    {"ptlined", "not there yet"},
 };
+
+const char *builtin_neutral(enum builtin_id id, float *value) {
+    *value = 0;
+    switch (id) {
+    case BUILTIN_PRINTF:
+        return "is ignored";
+    case BUILTIN_FORMAT:
+    case BUILTIN_CONCAT:
+        return "makes strings while compiling only; this one is empty";
+    case BUILTIN_MATCH:
+        return "is always 0: there are no patterns";
+    case BUILTIN_SHADERNAME:
+        return "is always empty";
+    case BUILTIN_TEXTURE:
+        *value = 1;
+        return "is always 1: there are no image textures";
+    case BUILTIN_ENVIRONMENT:
+        return "is always 0: there are no image textures";
+    case BUILTIN_SHADOW:
+        return "is always 0: there are no shadows";
+    case BUILTIN_BUMP:
+    case BUILTIN_TEXTUREINFO:
+        return "is always 0: there are no image textures";
+    case BUILTIN_TRACE:
+        return "is always 0: there is no ray tracing";
+    case BUILTIN_LIGHTSOURCE:
+    case BUILTIN_SURFACE:
+    case BUILTIN_DISPLACEMENT:
+    case BUILTIN_ATMOSPHERE:
+    case BUILTIN_INCIDENT:
+    case BUILTIN_OPPOSITE:
+    case BUILTIN_ATTRIBUTE:
+    case BUILTIN_OPTION:
+    case BUILTIN_RENDERERINFO:
+        return "is always 0: shaders cannot ask about others";
+    default:
+        return NULL;
+    }
+}
 
 const struct builtin *builtin_find(const char *name) {
     for (int i = 0; i < BUILTIN_COUNT; i++)
@@ -87,6 +105,10 @@ const char *builtin_missing(const char *name) {
         if (!strcmp(missing[i].name, name))
             return missing[i].reason;
     return NULL;
+}
+
+const char *builtin_missing_at(int i) {
+    return (size_t)i < sizeof missing / sizeof *missing ? missing[i].name : NULL;
 }
 
 const struct ast_global *global_find(const char *name) {
@@ -162,7 +184,7 @@ static int overload_cost(const char *text, const char **next, const enum ast_typ
                 cost = one < 0 ? -1 : cost + one;
             if (at < count) {
                 parameters[at] = type;
-                *written_mask |= (uint32_t)is_written << at;
+                *written_mask |= is_written ? 1u << at : 0; /* such arguments come early */
             }
             at++;
         }

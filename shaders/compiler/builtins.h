@@ -35,7 +35,13 @@
     X(CEIL, "ceil", "f:f")                                                                         \
     X(ROUND, "round", "f:f")                                                                       \
     X(STEP, "step", "f:ff")                                                                        \
-    X(NOISE, "noise", "f:f f:ff f:p c:f c:ff c:p p:f p:ff p:p v:f v:ff v:p")                       \
+    X(NOISE, "noise", "f:f f:ff f:p f:pf c:f c:ff c:p c:pf p:f p:ff p:p p:pf v:f v:ff v:p v:pf")   \
+    X(CELLNOISE, "cellnoise",                                                                      \
+      "f:f f:ff f:p f:pf c:f c:ff c:p c:pf p:f p:ff p:p p:pf v:f v:ff v:p v:pf")                   \
+    X(PNOISE, "pnoise",                                                                            \
+      "f:ff f:ffff f:pp f:pfpf c:ff c:ffff c:pp c:pfpf p:ff p:ffff p:pp p:pfpf v:ff v:ffff v:pp "  \
+      "v:pfpf")                                                                                    \
+    X(RANDOM, "random", "f: c: p:")                                                                \
     X(XCOMP, "xcomp", "f:t")                                                                       \
     X(YCOMP, "ycomp", "f:t")                                                                       \
     X(ZCOMP, "zcomp", "f:t")                                                                       \
@@ -53,7 +59,27 @@
     X(NTRANSFORM, "ntransform", "n:sn n:ssn")                                                      \
     X(CTRANSFORM, "ctransform", "c:sc c:ssc")                                                      \
     X(AMBIENT, "ambient", "c:")                                                                    \
-    X(PRINTF, "printf", "0:s.*")
+    X(SPLINE, "spline", "") /* check_call.c */                                                     \
+    X(PRINTF, "printf", "0:s.*")                                                                   \
+    X(FORMAT, "format", "s:s.*")                                                                   \
+    X(CONCAT, "concat", "s:ss*")                                                                   \
+    X(MATCH, "match", "f:ss")                                                                      \
+    X(SHADERNAME, "shadername", "s: s:s")                                                          \
+    X(TEXTURE, "texture", "f:s.* c:s.*")                                                           \
+    X(ENVIRONMENT, "environment", "f:s.* c:s.*")                                                   \
+    X(SHADOW, "shadow", "f:s.* c:s.*")                                                             \
+    X(BUMP, "bump", "p:s.*")                                                                       \
+    X(TEXTUREINFO, "textureinfo", "f:ss&.")                                                        \
+    X(TRACE, "trace", "c:pv f:pv")                                                                 \
+    X(LIGHTSOURCE, "lightsource", "f:s&.")                                                         \
+    X(SURFACE, "surface", "f:s&.")                                                                 \
+    X(DISPLACEMENT, "displacement", "f:s&.")                                                       \
+    X(ATMOSPHERE, "atmosphere", "f:s&.")                                                           \
+    X(INCIDENT, "incident", "f:s&.")                                                               \
+    X(OPPOSITE, "opposite", "f:s&.")                                                               \
+    X(ATTRIBUTE, "attribute", "f:s&.")                                                             \
+    X(OPTION, "option", "f:s&.")                                                                   \
+    X(RENDERERINFO, "rendererinfo", "f:s&.")
 
 enum builtin_id {
 #define BUILTIN_ENUM(id, name, overloads) BUILTIN_##id,
@@ -62,7 +88,7 @@ enum builtin_id {
         BUILTIN_COUNT
 };
 
-enum { BUILTIN_ARGUMENTS_MAX = 32 };
+enum { BUILTIN_ARGUMENTS_MAX = 64 };
 
 struct builtin {
     enum builtin_id id;
@@ -70,9 +96,16 @@ struct builtin {
 };
 extern const struct builtin builtins[BUILTIN_COUNT];
 
+/* A function that is accepted but has nothing to work on: what to say and the value it has instead
+ * (of a string: the empty one); NULL when it works. What it would write to stays as it is, and its
+ * arguments are not evaluated. */
+const char *builtin_neutral(enum builtin_id id, float *value);
+
 const struct builtin *builtin_find(const char *name);
 /* A function of the language that this compiler leaves out: the reason to give, else NULL. */
 const char *builtin_missing(const char *name);
+/* The name of the i-th of these, NULL after the last. */
+const char *builtin_missing_at(int i);
 /* Chooses an overload for arguments of these types; `wanted` is the result type the context would
  * like (TYPE_ERROR: none). Returns false when none fits. parameters[i] is the type argument i is to
  * be converted to, TYPE_TRIPLE: leave it; *written_mask has a bit per argument that is written to.
@@ -95,6 +128,7 @@ enum global_source {
     GLOBAL_ZERO,
     GLOBAL_ONE,
     GLOBAL_THREE,
+    GLOBAL_PI,
     GLOBAL_ORIGIN, /* the origin of shader space */
     GLOBAL_AXIS,   /* the z axis of shader space */
     GLOBAL_RESULT, /* starts at zero, what the shader is for */

@@ -300,11 +300,11 @@ struct ast_symbol **check_unit(struct compilation *c, struct ast_unit *unit,
                                struct ast_unit *prelude) {
     struct checker *k = compilation_get(c, sizeof *k);
     k->c = c;
-    k->kind = unit->kind;
+    k->prelude = prelude->functions;
     k->kind = SHADER_KIND_SURFACE; /* what a light must not call is found when it does */
-    for (struct ast_function *f = prelude ? prelude->functions : NULL; f; f = f->next)
+    for (struct ast_function *f = prelude->functions; f; f = f->next)
         scope_add_function(k, f);
-    for (struct ast_function *f = prelude ? prelude->functions : NULL; f; f = f->next)
+    for (struct ast_function *f = prelude->functions; f; f = f->next)
         check_function(k, f);
     k->kind = unit->kind;
     k->level = 1;

@@ -18,6 +18,7 @@ struct scope_entry {
 
 struct checker {
     struct compilation *c;
+    struct ast_function *prelude;
     enum shader_kind kind;
     struct scope_entry *buckets[SCOPE_BUCKETS];
     struct scope_entry *newest;
@@ -46,6 +47,8 @@ struct ast_expression *check_as(struct checker *k, struct ast_expression *e, enu
 /* Puts a conversion over a checked expression. */
 struct ast_expression *check_convert(struct checker *k, struct ast_expression *e,
                                      enum ast_type type);
+bool color_space_is_known(const char *name);
+#define COLOR_SPACES "rgb, hsv, hsl, YIQ and xyz"
 /* Function calls, check_call.c. */
 struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
                                   enum ast_type wanted);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/check.h"
+#include "shaders/compiler/splines.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -76,10 +77,83 @@ static bool is_literal(const struct ast_expression *e) {
 static void check_color_spaces(struct checker *k, struct ast_expression *e) {
     struct ast_expression *a = e->arguments;
     for (int i = 0; i < e->argument_count - 1 && a; i++, a = a->next)
-        if (!is_literal(a) ||
-            (strcmp(a->name, "rgb") && strcmp(a->name, "hsv") && strcmp(a->name, "hsl")))
+        if (!is_literal(a) || !color_space_is_known(a->name))
             compile_error(k->c, &a->at,
-                          "ctransform knows \"rgb\", \"hsv\" and \"hsl\", written out");
+                          "ctransform knows the color spaces " COLOR_SPACES ", written out");
+}
+
+/* concat and format of strings written out are strings written out; false when they cannot be. */
+static bool fold_strings(struct checker *k, struct ast_expression *e) {
+    size_t length = 0, at = 0;
+    bool is_format = e->builtin->id == BUILTIN_FORMAT;
+    for (const struct ast_expression *a = e->arguments; a; a = a->next) {
+        if (!is_literal(a) || (is_format && (a->next || strchr(a->name, '%'))))
+            return false;
+        length += strlen(a->name);
+    }
+    char *text = compilation_get(k->c, length + 1);
+    for (const struct ast_expression *a = e->arguments; a; a = a->next) {
+        memcpy(text + at, a->name, strlen(a->name));
+        at += strlen(a->name);
+    }
+    e->kind = EXPRESSION_STRING;
+    e->name = text;
+    return true;
+}
+
+static void check_neutral(struct checker *k, struct ast_expression *e) {
+    float value;
+    const char *reason = builtin_neutral(e->builtin->id, &value);
+    bool is_string = e->builtin->id == BUILTIN_FORMAT || e->builtin->id == BUILTIN_CONCAT;
+    if (reason && !(is_string && fold_strings(k, e)))
+        compile_warning(k->c, &e->at, e->builtin->id == BUILTIN_PRINTF ? "%s %s" : "%s() %s",
+                        e->name, reason);
+}
+
+/* The one type of a spline's values: the first that is said, or what the context wants of (x, y,
+ * z). */
+static enum ast_type spline_type(const struct ast_expression *values, enum ast_type wanted) {
+    enum ast_type type = TYPE_FLOAT;
+    for (const struct ast_expression *a = values; a; a = a->next)
+        if (type == TYPE_FLOAT || (type == TYPE_TRIPLE && ast_type_is_triple(a->type)))
+            type = a->type;
+    if (type == TYPE_TRIPLE)
+        return ast_type_is_triple(wanted) ? wanted : TYPE_COLOR;
+    return type;
+}
+
+/* spline([basis,] x, value, value, ...) or spline([basis,] x, array), its arguments checked already
+ */
+static struct ast_expression *check_spline(struct checker *k, struct ast_expression *e,
+                                           enum ast_type wanted) {
+    struct ast_expression **a = &e->arguments;
+    if (*a && (*a)->type == TYPE_STRING) {
+        if (!is_literal(*a) || !spline_basis_find((*a)->name)) {
+            compile_error(k->c, &(*a)->at,
+                          "the basis of a spline is \"catmull-rom\", \"bezier\", \"bspline\", "
+                          "\"hermite\" or \"linear\", written out");
+            return fail(e);
+        }
+        a = &(*a)->next;
+    }
+    if (!*a || !(*a)->next) {
+        compile_error(k->c, &e->at, "spline() takes a position and values or an array");
+        return fail(e);
+    }
+    bool is_array = (*a)->next->array_length != 0;
+    e->type = spline_type((*a)->next, wanted);
+    if (e->type != TYPE_FLOAT && !ast_type_is_triple(e->type)) {
+        compile_error(k->c, &(*a)->next->at, "there are no splines of %s", ast_type_name(e->type));
+        return fail(e);
+    }
+    for (int i = 0; *a; a = &(*a)->next, i++) {
+        struct ast_expression *next = (*a)->next;
+        if (i == 1 && is_array && !next)
+            break;
+        *a = check_convert(k, *a, i ? e->type : TYPE_FLOAT);
+        (*a)->next = next;
+    }
+    return e;
 }
 
 static struct ast_expression *check_builtin_call(struct checker *k, struct ast_expression *e,
@@ -88,7 +162,8 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     enum ast_type types[BUILTIN_ARGUMENTS_MAX] = {0}, parameters[BUILTIN_ARGUMENTS_MAX];
     uint32_t written = 0;
     int count = 0;
-    bool is_wrong = false;
+    float value;
+    bool is_wrong = false, is_neutral = builtin_neutral(builtin->id, &value) != NULL;
     e->builtin = builtin;
     if (e->argument_count > BUILTIN_ARGUMENTS_MAX) {
         compile_error(k->c, &e->at, "more than %d arguments", BUILTIN_ARGUMENTS_MAX);
@@ -99,7 +174,7 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         *a = check_expression(k, *a, TYPE_ERROR);
         (*a)->next = next;
         is_wrong |= (*a)->type == TYPE_ERROR;
-        if ((*a)->array_length && builtin->id != BUILTIN_PRINTF) {
+        if ((*a)->array_length && !is_neutral && builtin->id != BUILTIN_SPLINE) {
             compile_error(k->c, &(*a)->at, "%s() does not take an array", e->name);
             is_wrong = true;
         }
@@ -107,6 +182,8 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     }
     if (is_wrong)
         return fail(e);
+    if (builtin->id == BUILTIN_SPLINE)
+        return check_spline(k, e, wanted);
     if (!builtin_resolve(builtin, types, count, wanted, &e->type, parameters, &written)) {
         char list[160] = "";
         for (int i = 0; i < count && i < 6; i++) {
@@ -120,7 +197,9 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     int i = 0;
     for (struct ast_expression **a = &e->arguments; *a; a = &(*a)->next, i++) {
         struct ast_expression *next = (*a)->next;
-        if (written >> i & 1)
+        if (is_neutral)
+            ;
+        else if (i < 32 && written >> i & 1)
             check_written(k, *a);
         else if (parameters[i] != TYPE_TRIPLE)
             *a = check_convert(k, *a, parameters[i]);
@@ -128,14 +207,23 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     }
     if (builtin->id == BUILTIN_CTRANSFORM)
         check_color_spaces(k, e);
-    if (builtin->id == BUILTIN_PRINTF)
-        compile_warning(k->c, &e->at, "printf is ignored");
+    check_neutral(k, e);
     return e;
+}
+
+static struct ast_function *prelude_overload(struct checker *k, struct ast_function *function,
+                                             int count) {
+    for (struct ast_function *f = k->prelude; f; f = f->next)
+        if (f->formal_count == count && !strcmp(f->name, function->name))
+            return f;
+    return function;
 }
 
 struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
                                   enum ast_type wanted) {
     struct ast_function *function = scope_find_function(k, e->name);
+    if (function && function->is_prelude) /* these may differ in how many arguments they take */
+        function = prelude_overload(k, function, e->argument_count);
     const struct builtin *builtin = builtin_find(e->name);
     if (function && !(function->is_prelude && builtin))
         return check_user_call(k, e, function);

@@ -70,6 +70,8 @@ static struct ast_expression *check_index(struct checker *k, struct ast_expressi
     e->right = check_as(k, e->right, TYPE_FLOAT);
     if (e->left->type == TYPE_ERROR)
         return fail(e);
+    if (!e->left->array_length && e->left->type == TYPE_STRING)
+        return e->left; /* texture(name[0]): a channel of a file */
     if (!e->left->array_length) {
         compile_error(k->c, &e->at, "'%.64s' is not an array", e->name);
         return fail(e);
@@ -274,6 +276,14 @@ static struct ast_expression *check_assign(struct checker *k, struct ast_express
     return e;
 }
 
+bool color_space_is_known(const char *name) {
+    static const char *const names[] = {"rgb", "hsv", "hsl", "YIQ", "xyz"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!strcmp(names[i], name))
+            return true;
+    return false;
+}
+
 static struct ast_expression *check_cast(struct checker *k, struct ast_expression *e) {
     e->left = check_expression(k, e->left, e->type);
     enum ast_type from = e->left->type;
@@ -293,9 +303,8 @@ static struct ast_expression *check_cast(struct checker *k, struct ast_expressio
         compile_error(k->c, &e->at, "a %s is in no space", ast_type_name(e->type));
         return fail(e);
     }
-    if (e->name && e->type == TYPE_COLOR && strcmp(e->name, "rgb") && strcmp(e->name, "hsv") &&
-        strcmp(e->name, "hsl")) {
-        compile_error(k->c, &e->at, "unknown color space \"%.64s\"; there are rgb, hsv and hsl",
+    if (e->name && e->type == TYPE_COLOR && !color_space_is_known(e->name)) {
+        compile_error(k->c, &e->at, "unknown color space \"%.64s\"; there are " COLOR_SPACES,
                       e->name);
         return fail(e);
     }

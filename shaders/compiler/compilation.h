@@ -19,10 +19,16 @@ enum {
     EXPRESSION_DEPTH_MAX = 1000, /* operators in a row that build one tree */
     CONTROL_DEPTH_MAX =
         120, /* control flow inside each other after inlining; C compilers stop at 256 */
+    INLINE_DEPTH_MAX =
+        4000, /* operators (1 each) and calls (16 each) inside each other after inlining */
     INSTRUCTION_COUNT_MAX = 200000,
     ARRAY_FLOATS_MAX = 65536, /* of one array, and of all arrays of a shader after inlining */
     ERROR_COUNT_MAX = 8,
     WARNING_COUNT_MAX = 64,
+    INCLUDE_DEPTH_MAX = 32,
+    MACRO_DEPTH_MAX = 100,      /* macros in arguments of macros */
+    MACRO_TOKENS_MAX = 1 << 18, /* that all expansions give in all */
+    MACRO_ARGUMENTS_MAX = 64,
 };
 
 /* A place in the source. `line_text` is the start of the physical line, ended by a newline or NUL.

@@ -96,7 +96,7 @@ bool ir_instruction_reads_varying(const struct ir_node *node) {
     default:
         break;
     }
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < IR_OPERANDS_MAX; i++)
         if (ir_operand_is_varying(&node->operands[i]))
             return true;
     return false;
@@ -128,7 +128,7 @@ void ir_each_read(struct ir_node *node, ir_visit_variable *visit, void *context)
             visit(node->condition.variable, context);
         return;
     }
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < IR_OPERANDS_MAX; i++)
         if (node->operands[i].kind == OPERAND_VARIABLE)
             visit(node->operands[i].variable, context);
     if (node->operation == IR_ARRAY_LOAD)

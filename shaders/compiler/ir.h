@@ -71,6 +71,8 @@ struct ir_operand {
     };
 };
 
+enum { IR_OPERANDS_MAX = 8 };
+
 enum ir_node_kind { NODE_INSTRUCTION, NODE_IF, NODE_LOOP, NODE_ILLUMINANCE };
 
 struct ir_list {
@@ -88,7 +90,7 @@ struct ir_node {
     enum ir_operation operation;
     struct ir_variable *results[3];
     struct ir_variable *array;
-    struct ir_operand operands[3];
+    struct ir_operand operands[IR_OPERANDS_MAX];
     int index;
     struct shader_parameter *parameter;
     int order;    /* in the text, scratch of propagate_copies.c */

@@ -42,6 +42,22 @@
     X(NOISE1_3, "3f", FLOAT_NOISE, "sf_noise1_3($0, ", "vf_noise1_3($0, ")                         \
     X(NOISE2_3, "3ff", FLOAT_NOISE, "sf_noise2_3($0, $1, ", "vf_noise2_3($0, $1, ")                \
     X(NOISE3_3, "3fff", FLOAT_NOISE, "sf_noise3_3($0, $1, $2, ", "vf_noise3_3($0, $1, $2, ")       \
+    X(NOISE4, "fffff", FLOAT_NOISE, "sf_noise4($0, $1, $2, $3)", "vf_noise4($0, $1, $2, $3)")      \
+    X(NOISE4_3, "3ffff", FLOAT_NOISE, "sf_noise4_3($0, $1, $2, $3, ",                              \
+      "vf_noise4_3($0, $1, $2, $3, ")                                                              \
+    X(PNOISE3, "fffffff", FLOAT_NOISE, "sf_pnoise3($0, $1, $2, $3, $4, $5)",                       \
+      "vf_pnoise3($0, $1, $2, $3, $4, $5)")                                                        \
+    X(PNOISE3_3, "3ffffff", FLOAT_NOISE, "sf_pnoise3_3($0, $1, $2, $3, $4, $5, ",                  \
+      "vf_pnoise3_3($0, $1, $2, $3, $4, $5, ")                                                     \
+    X(PNOISE4, "fffffffff", FLOAT_NOISE, "sf_pnoise4($0, $1, $2, $3, $4, $5, $6, $7)",             \
+      "vf_pnoise4($0, $1, $2, $3, $4, $5, $6, $7)")                                                \
+    X(PNOISE4_3, "3ffffffff", FLOAT_NOISE, "sf_pnoise4_3($0, $1, $2, $3, $4, $5, $6, $7, ",        \
+      "vf_pnoise4_3($0, $1, $2, $3, $4, $5, $6, $7, ")                                             \
+    X(CELLNOISE, "fffff", FLOAT_NOISE, "sf_cellnoise($0, $1, $2, $3)",                             \
+      "vf_cellnoise($0, $1, $2, $3)")                                                              \
+    X(CELLNOISE_3, "3ffff", FLOAT_NOISE, "sf_cellnoise_3($0, $1, $2, $3, ",                        \
+      "vf_cellnoise_3($0, $1, $2, $3, ")                                                           \
+    X(RANDOM, "fffff", FLOAT_NOISE, "sf_random($0, $1, $2, $3)", "vf_random($0, $1, $2, $3)")      \
     X(LESS, "bff", FLOAT_COMPARE, "$0 < $1", "$0 < $1")                                            \
     X(LESS_EQUAL, "bff", FLOAT_COMPARE, "$0 <= $1", "$0 <= $1")                                    \
     X(EQUAL, "bff", FLOAT_COMPARE, "$0 == $1", "$0 == $1")                                         \

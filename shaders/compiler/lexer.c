@@ -55,38 +55,6 @@ static void new_line(struct lexer *lexer) {
     lexer->line_text = lexer->cursor;
 }
 
-/* A line that starts with '#': `# 12 "file"` or `#line 12 "file"` from a preprocessor that ran
- * before us says where the next line came from; anything else would need a preprocessor. */
-static void skip_directive(struct lexer *lexer) {
-    struct source_location at = here(lexer);
-    const char *text = lexer->cursor + 1;
-    const char *line_end = text;
-    while (line_end < lexer->end && *line_end != '\n')
-        line_end++;
-    while (text < line_end && (*text == ' ' || *text == '\t'))
-        text++;
-    if (line_end - text > 5 && !strncmp(text, "line ", 5))
-        text += 5;
-    int number = 0, digits = 0;
-    for (; text < line_end && isdigit((unsigned char)*text) && digits < 8; text++, digits++)
-        number = number * 10 + (*text - '0');
-    const char *open = memchr(text, '"', (size_t)(line_end - text));
-    const char *close = open ? memchr(open + 1, '"', (size_t)(line_end - open - 1)) : NULL;
-    if (!digits) {
-        compile_error(
-            lexer->c, &at,
-            "preprocessor directives are not supported; run the shader through cpp first");
-        lexer->cursor = line_end;
-        return;
-    }
-    if (close)
-        lexer->file = compilation_copy(lexer->c, open + 1, (size_t)(close - open - 1));
-    lexer->cursor = line_end;
-    if (lexer->cursor < lexer->end)
-        new_line(lexer);
-    lexer->line = number;
-}
-
 static void skip_comment(struct lexer *lexer) {
     struct source_location at = here(lexer);
     lexer->cursor += 2;
@@ -113,8 +81,14 @@ static bool at_line_start(const struct lexer *lexer) {
 static void skip_space(struct lexer *lexer) {
     while (lexer->cursor < lexer->end) {
         char byte = *lexer->cursor;
-        if (byte == '\n')
+        if (byte == '\n' && lexer->in_directive)
+            return;
+        else if (byte == '\n')
             new_line(lexer);
+        else if (byte == '\\' && peek(lexer, 1) == '\n')
+            lexer->cursor++, new_line(lexer);
+        else if (byte == '\\' && peek(lexer, 1) == '\r' && peek(lexer, 2) == '\n')
+            lexer->cursor += 2, new_line(lexer);
         else if (byte == ' ' || byte == '\t' || byte == '\r' || byte == '\f' || byte == '\v')
             lexer->cursor++;
         else if (byte == '/' && peek(lexer, 1) == '/')
@@ -122,8 +96,6 @@ static void skip_space(struct lexer *lexer) {
                 lexer->cursor++;
         else if (byte == '/' && peek(lexer, 1) == '*')
             skip_comment(lexer);
-        else if (byte == '#' && at_line_start(lexer))
-            skip_directive(lexer);
         else
             return;
     }
@@ -207,6 +179,16 @@ void lexer_next(struct lexer *lexer, struct token *token) {
         if (lexer->cursor >= lexer->end)
             return;
         unsigned char byte = (unsigned char)*lexer->cursor;
+        if (byte == '\n') { /* skip_space stops there in a directive only */
+            new_line(lexer);
+            token->kind = TOKEN_NEWLINE;
+            return;
+        }
+        if (byte == '#' && (lexer->in_directive || at_line_start(lexer))) {
+            lexer->cursor++;
+            token->kind = lexer->in_directive ? '#' : TOKEN_DIRECTIVE;
+            return;
+        }
         if (isdigit(byte) || (byte == '.' && isdigit((unsigned char)peek(lexer, 1)))) {
             read_number(lexer, token);
             return;
@@ -236,6 +218,27 @@ void lexer_next(struct lexer *lexer, struct token *token) {
     }
 }
 
+void lexer_skip_to_directive(struct lexer *lexer) {
+    while (lexer->cursor < lexer->end) {
+        char byte = *lexer->cursor;
+        if (byte == '\n')
+            new_line(lexer);
+        else if (byte == '/' && peek(lexer, 1) == '*')
+            skip_comment(lexer);
+        else if (byte == '/' && peek(lexer, 1) == '/')
+            while (lexer->cursor < lexer->end && *lexer->cursor != '\n')
+                lexer->cursor++;
+        else if (byte == '#' && at_line_start(lexer))
+            return;
+        else
+            lexer->cursor++;
+    }
+}
+
+bool lexer_at_parenthesis(const struct lexer *lexer) {
+    return peek(lexer, 0) == '(';
+}
+
 const char *token_kind_name(int kind, char buffer[24]) {
     switch (kind) {
     case TOKEN_END:
@@ -246,6 +249,8 @@ const char *token_kind_name(int kind, char buffer[24]) {
         return "a number";
     case TOKEN_STRING:
         return "a string";
+    case TOKEN_NEWLINE:
+        return "the end of the line";
     }
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
         if (pairs[i].kind == kind) {

@@ -51,6 +51,8 @@ enum token_kind {
     TOKEN_SUBTRACT_ASSIGN,
     TOKEN_MULTIPLY_ASSIGN,
     TOKEN_DIVIDE_ASSIGN,
+    TOKEN_DIRECTIVE, /* '#' at the start of a line; seen by preprocess.c only */
+    TOKEN_NEWLINE,   /* the end of a directive, likewise */
 #define KEYWORD_ENUM(name, spelling) TOKEN_##name,
     KEYWORDS(KEYWORD_ENUM)
 #undef KEYWORD_ENUM
@@ -61,6 +63,7 @@ struct token {
     struct source_location at;
     const char *text; /* identifier or string contents, NUL-terminated, in the arena */
     float number;
+    bool is_expanded; /* names a macro inside its own expansion: stays */
 };
 
 struct lexer {
@@ -69,6 +72,7 @@ struct lexer {
     const char *line_text;
     const char *file;
     int line;
+    bool in_directive; /* a line's end is a token */
 };
 
 /* `text` must be followed by a NUL and outlive the compilation's messages. */
@@ -76,6 +80,10 @@ void lexer_start(struct lexer *lexer, struct compilation *c, const char *file, c
                  size_t length);
 /* The next token; at the end TOKEN_END for ever. Bad characters are reported and skipped. */
 void lexer_next(struct lexer *lexer, struct token *token);
+/* Passes over lines up to one that starts with '#', or to the end. */
+void lexer_skip_to_directive(struct lexer *lexer);
+/* Whether the byte after the last token is an opening parenthesis. */
+bool lexer_at_parenthesis(const struct lexer *lexer);
 /* How a token kind is called in messages: "'+='", "a number". */
 const char *token_kind_name(int kind, char buffer[24]);
 

@@ -34,11 +34,13 @@ struct lowering {
     struct ir_list *list;  /* being appended to */
     struct ir_list *scope; /* where variables of the user are declared: never a guard */
     struct lower_call *call;
+    int depth; /* of the recursion over expressions, through inlined functions */
     const struct source_location *site; /* of the call into the prelude, NULL outside of it */
     bool in_default; /* evaluating a parameter's default: points are in shader space */
     struct ir_value light_direction, light_color; /* inside illuminance; count 0 outside */
     struct ast_symbol *direction, *color;         /* L and Cl of a light, or Ci */
     struct ast_function *prelude;
+    struct ir_variable *random_calls; /* how often random() ran so far; NULL before the first */
 };
 
 /* lower_values.c */
@@ -89,6 +91,11 @@ struct ir_value lower_color_space(struct lowering *l, const struct ast_expressio
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
 /* lower_builtin.c */
 struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e);
+/* lower_noise.c: the noises and random() */
+struct ir_value lower_noise(struct lowering *l, struct ast_expression *e,
+                            const struct ir_value *arguments, int count);
+/* lower_spline.c */
+struct ir_value lower_spline(struct lowering *l, struct ast_expression *e);
 /* lower_call.c */
 struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e);
 struct ir_value lower_prelude_call(struct lowering *l, const struct source_location *at,

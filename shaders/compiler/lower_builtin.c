@@ -62,26 +62,6 @@ static struct ir_value lower_faceforward(struct lowering *l, const struct ast_ex
     return result;
 }
 
-static struct ir_value lower_noise(struct lowering *l, const struct ast_expression *e,
-                                   const struct arguments *a) {
-    static const enum ir_operation one[] = {IR_NOISE1, IR_NOISE2, IR_NOISE3};
-    static const enum ir_operation three[] = {IR_NOISE1_3, IR_NOISE2_3, IR_NOISE3_3};
-    struct ir_operand x[3] = {{0}};
-    int count = a->count == 2 ? 2 : a->value[0].count;
-    for (int i = 0; i < count; i++)
-        x[i] = a->count == 2 ? a->value[i].part[0] : a->value[0].part[i];
-    if (e->type == TYPE_FLOAT)
-        return scalar(lower_operate(l, &e->at, one[count - 1], x[0], x[1], x[2]));
-    struct ir_value result = {.count = 3};
-    lower_operate(l, &e->at, three[count - 1], x[0], x[1], x[2]);
-    struct ir_node *node = l->list->last;
-    node->results[1] = lower_temporary(l, IR_FLOAT);
-    node->results[2] = lower_temporary(l, IR_FLOAT);
-    for (int i = 0; i < 3; i++)
-        result.part[i] = ir_of(node->results[i]);
-    return result;
-}
-
 /* comp(c, i): the nearest component when i is out of range */
 static struct ir_operand lower_comp(struct lowering *l, const struct ast_expression *e,
                                     const struct ir_value *value, struct ir_operand index) {
@@ -213,8 +193,13 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     struct arguments a = {0};
     struct ir_value difference;
     const char *to;
-    for (struct ast_expression *x = e->arguments; x && e->builtin->id != BUILTIN_PRINTF;
-         x = x->next) {
+    float neutral;
+    if (builtin_neutral(e->builtin->id, &neutral))
+        return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
+                                      : lower_constant(neutral, ast_type_width(e->type));
+    if (e->builtin->id == BUILTIN_SPLINE)
+        return lower_spline(l, e);
+    for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_expression(l, x);
     }
@@ -229,7 +214,10 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     case BUILTIN_MIX:
         return lower_mix(l, e, a.value);
     case BUILTIN_NOISE:
-        return lower_noise(l, e, &a);
+    case BUILTIN_CELLNOISE:
+    case BUILTIN_PNOISE:
+    case BUILTIN_RANDOM:
+        return lower_noise(l, e, a.value, a.count);
     case BUILTIN_XCOMP:
         return scalar(a.value[0].part[0]);
     case BUILTIN_YCOMP:
@@ -265,8 +253,6 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
                                  &a.value[a.count - 1]);
     case BUILTIN_AMBIENT:
         return lower_ambient(l, e);
-    case BUILTIN_PRINTF:
-        return lower_constant(0, 1);
     default:
         return lower_one_float(l, e, &a);
     }

@@ -243,7 +243,7 @@ static struct ir_value lower_assignment(struct lowering *l, struct ast_expressio
     return right;
 }
 
-struct ir_value lower_expression(struct lowering *l, struct ast_expression *e) {
+static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {
     switch (e->kind) {
     case EXPRESSION_NUMBER:
         return scalar(ir_float(e->number));
@@ -273,4 +273,15 @@ struct ir_value lower_expression(struct lowering *l, struct ast_expression *e) {
         return e->function ? lower_user_call(l, e) : lower_builtin(l, e);
     }
     return lower_constant(0, 1);
+}
+
+struct ir_value lower_expression(struct lowering *l, struct ast_expression *e) {
+    int depth = e->kind != EXPRESSION_CALL ? 1 : 16; /* calls weigh more on the stack */
+    l->depth += depth;
+    if (l->depth > INLINE_DEPTH_MAX)
+        compile_limit(l->c, lower_at(l, &e->at),
+                      "calls and operators are nested too deep once functions are inlined");
+    struct ir_value value = lower_any(l, e);
+    l->depth -= depth;
+    return value;
 }

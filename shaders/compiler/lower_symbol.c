@@ -74,6 +74,8 @@ static struct ir_value global_value(struct lowering *l, const struct ast_global 
         return lower_constant(1, count);
     case GLOBAL_THREE:
         return lower_constant(3, count);
+    case GLOBAL_PI:
+        return lower_constant(0x1.921fb6p+1f, count);
     case GLOBAL_ORIGIN:
         return lower_transform(l, at, TYPE_POINT, &from, &to, &zero);
     case GLOBAL_AXIS:

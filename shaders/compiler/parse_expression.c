@@ -114,6 +114,8 @@ static struct ast_expression *parse_primary(struct parser *p) {
             parser_expect(p, ']');
         }
         return e;
+    case TOKEN_SURFACE: /* surface("Kd", k) asks a surface shader */
+    case TOKEN_DISPLACEMENT:
     case TOKEN_IDENTIFIER:
         return parse_name(p);
     case '(':

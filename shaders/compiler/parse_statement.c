@@ -7,7 +7,7 @@
 void parser_advance(struct parser *p) {
     p->token = p->ahead;
     p->ahead = p->second;
-    lexer_next(&p->lexer, &p->second);
+    preprocess_next(&p->source, &p->second);
 }
 
 bool parser_accept(struct parser *p, int kind) {
@@ -420,7 +420,7 @@ struct ast_unit *parse_unit(struct compilation *c, const char *file, const char 
     struct parser parser = {.c = c}, *p = &parser;
     struct ast_unit *unit = compilation_get(c, sizeof *unit);
     struct ast_function **link = &unit->functions;
-    lexer_start(&p->lexer, c, file, text, length);
+    preprocess_start(&p->source, c, file, text, length);
     for (int i = 0; i < 3; i++)
         parser_advance(p);
     while (p->token.kind != TOKEN_END) {

@@ -3,13 +3,13 @@
 #define PARSER_H
 
 #include "shaders/compiler/ast.h"
-#include "shaders/compiler/lexer.h"
+#include "shaders/compiler/preprocess.h"
 
 /* Recursive descent with three tokens of view. After an error the parser is in panic: it reports
  * nothing until parser_recover has found the end of a statement. */
 struct parser {
     struct compilation *c;
-    struct lexer lexer;
+    struct preprocessor source;
     struct token token, ahead, second;
     int nesting;
     bool is_panicking;

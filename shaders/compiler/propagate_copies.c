@@ -47,7 +47,7 @@ static void replace(struct ir_operand *operand) {
 static void replace_in_node(struct ir_node *node, void *context) {
     if (node->kind != NODE_INSTRUCTION)
         replace(&node->condition);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < IR_OPERANDS_MAX; i++)
         replace(&node->operands[i]);
 }
 

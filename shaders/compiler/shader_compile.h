@@ -42,6 +42,11 @@ struct shader_compile_options {
     const char *const *material;
     int material_count;
     bool fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
+    /* The text of a file named by #include, or NULL when there is none; a name in an included file is first
+     * asked for next to that file. The bytes stay the callee's and must not change until the compilation ends. NULL:
+     * #include is an error. */
+    const char *(*read_include)(void *context, const char *name, size_t *length);
+    void *read_include_context;
 };
 
 struct shader_program {

@@ -11,7 +11,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length) {
     static const char *const material[] = {"Cs"};
-    struct shader_compile_options options = {material, length & 1, (length & 2) != 0};
+    struct shader_compile_options options = {
+        .material = material, .material_count = length & 1, .fast_math = (length & 2) != 0};
     struct shader_program *program = NULL;
     struct status status = {0};
     if (!shader_compile("fuzz.sl", (const char *)bytes, length, &options, &program, &status) &&

@@ -27,9 +27,22 @@ static const struct {
      "test.sl:1:20: error: there is no function 'normalise'; did you mean 'normalize'?\n"
      "surface a() { Ci = normalise(N); }\n"
      "                   ^"},
-    {"surface a() { Ci = texture(\"x\"); }",
-     "test.sl:1:20: error: texture() is not supported: image textures are not there yet\n"
-     "surface a() { Ci = texture(\"x\"); }\n"
+    {"surface a() { Ci = area(P); }",
+     "test.sl:1:20: error: area() is not supported: it needs derivatives\n"
+     "surface a() { Ci = area(P); }\n"
+     "                   ^"},
+    {"surface a() { Ci = spline(\"bezier\", s, 1, 2, 3, 4, 5); }",
+     "test.sl:1:20: error: a bezier spline has 4 values and 3 more for each further segment, not "
+     "5\n"
+     "surface a() { Ci = spline(\"bezier\", s, 1, 2, 3, 4, 5); }\n"
+     "                   ^"},
+    {"surface a() { Ci = spline(s, \"x\", 2, 3, 4, 5); }",
+     "test.sl:1:30: error: there are no splines of string\n"
+     "surface a() { Ci = spline(s, \"x\", 2, 3, 4, 5); }\n"
+     "                             ^"},
+    {"surface a() { Ci = color \"lab\" (1, 2, 3); }",
+     "test.sl:1:20: error: unknown color space \"lab\"; there are rgb, hsv, hsl, YIQ and xyz\n"
+     "surface a() { Ci = color \"lab\" (1, 2, 3); }\n"
      "                   ^"},
     {"surface a() {\n  uniform float k = s;\n  Ci = k;\n}",
      "test.sl:2:21: error: a value that varies is assigned to uniform 'k'\n  uniform float k = "
@@ -43,9 +56,9 @@ static const struct {
      "test.sl:2:27: error: recursion: f calls g calls f; functions are inlined and cannot call "
      "themselves\n"
      "float g(float x) { return f(x); }\n                          ^"},
-    {"#define X 1\nsurface a() { Ci = 1; }", "test.sl:1:1: error: preprocessor directives are not "
-                                             "supported; run the shader through cpp first\n"
-                                             "#define X 1\n^"},
+    {"#include \"x.h\"\nsurface a() { Ci = 1; }",
+     "test.sl:1:10: error: #include is not possible here: there are no files to read from\n"
+     "#include \"x.h\"\n         ^"},
     {"# 40 \"other.sl\"\nsurface a() { Ci = x; }",
      "other.sl:40:20: error: 'x' is not declared\nsurface a() { Ci = x; }\n                   ^"},
     {"surface a() { Ci = 1 }\n",
@@ -133,12 +146,40 @@ static void limits_are_errors(void **state) {
     assert_int_equal(status.code, STATUS_LIMIT);
 }
 
+static void long_chains_of_calls_end_in_a_message(void **state) {
+    enum { FUNCTIONS = 5000, SIZE = 1 << 19 };
+    char *source = calloc(SIZE, 1);
+    struct status status = {0};
+    size_t used = (size_t)sprintf(source, "float f0(float x) { return x; }\n");
+    for (int i = 1; i < FUNCTIONS; i++)
+        used += (size_t)snprintf(source + used, SIZE - used,
+                                 "float f%d(float x) { return 1 + f%d(x); }\n", i, i - 1);
+    snprintf(source + used, SIZE - used, "surface a() { Ci = f%d(s); }", FUNCTIONS - 1);
+    assert_null(harness_compile(source, NULL, &status));
+    assert_int_equal(status.code, STATUS_LIMIT);
+    assert_non_null(strstr(status.message, "nested too deep once functions are inlined"));
+    /* 1000 operators in a row and 100 calls inside each other stay possible */
+    strcpy(source, "float f0(float x) { return x; }\n");
+    for (int i = 1; i <= 100; i++)
+        sprintf(source + strlen(source), "float f%d(float x) { return 1 + f%d(x); }\n", i, i - 1);
+    strcat(source, "surface a() { Ci = f100(s)");
+    for (int i = 0; i < 990; i++)
+        strcat(source, " + t");
+    strcat(source, "; }");
+    struct shader_program *program = harness_compile(source, NULL, &status);
+    if (!program)
+        fail_msg("%s", status.message);
+    shader_program_destroy(program);
+    free(source);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_mistake_is_shown_where_it_is),
         cmocka_unit_test(at_most_eight_errors_are_reported),
         cmocka_unit_test(a_uniform_parameter_cannot_come_with_the_primitives),
         cmocka_unit_test(limits_are_errors),
+        cmocka_unit_test(long_chains_of_calls_end_in_a_message),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

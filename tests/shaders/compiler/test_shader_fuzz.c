@@ -62,6 +62,14 @@ static const char *const words[] = {"float ",
                                     "light ",
                                     "solar (",
                                     "/*",
+                                    "\n#define ",
+                                    "\n#if ",
+                                    "\n#else\n",
+                                    "\n#endif\n",
+                                    "\n#include \"macros.h\"\n",
+                                    "defined(",
+                                    "F(",
+                                    "\\\n",
                                     "\n"};
 
 static size_t mutate(char *text, size_t length, struct rng *rng) {
@@ -102,6 +110,12 @@ static size_t mutate(char *text, size_t length, struct rng *rng) {
     return length;
 }
 
+static const char *read_include(void *context, const char *name, size_t *length) {
+    static const char text[] = "#define F(x, y) (x) * F(y, x)\n#include \"macros.h\"\n";
+    *length = sizeof text - 1;
+    return name[0] == 'm' ? text : NULL;
+}
+
 static int file_count;
 static char **file_names;
 
@@ -121,7 +135,9 @@ static void mutated_shaders_end_in_success_or_a_message(void **state) {
     for (int round = 0; round < rounds; round++) {
         int which = (int)rng_below(&rng, (uint64_t)file_count);
         const char *const material[] = {"Cs", "Ka"};
-        struct shader_compile_options options = {material, (int)rng_below(&rng, 3), false};
+        struct shader_compile_options options = {.material = material,
+                                                 .material_count = (int)rng_below(&rng, 3),
+                                                 .read_include = read_include};
         struct shader_program *program = NULL;
         struct status status = {0};
         memcpy(text, base[which], lengths[which]);
