@@ -71,8 +71,8 @@ static void exr_chunk_keep_blank(struct exr_chunk *chunk, const exr_encode_pipel
 }
 
 /* A reader takes a chunk as long as its pixels for uncompressed. The library's ZIP up to 3.4.7
- * writes compressed bytes of just that length now and then, which nobody can read back (OpenEXR
- * issue 2306). */
+ * writes compressed bytes of just that length now and then, which nobody can read back (a fault
+ * known to its authors). */
 static exr_result_t exr_writer_compress(exr_encode_pipeline_t *pipeline) {
     struct exr_chunk *chunk = pipeline->encoding_user_data;
     if (exr_chunk_is_known_blank(pipeline)) {

@@ -244,7 +244,7 @@ static void a_small_file_that_claims_many_pixels_is_refused(void **state) {
     image_destroy(image);
 }
 
-/* OpenEXR issue 2306: the library takes a compressed chunk for raw pixels when their lengths agree.
+/* A fault of the library known to its authors: it takes a compressed chunk for raw pixels when their lengths agree.
  */
 static void chunks_that_compress_to_their_own_length_survive(void **state) {
     for (uint64_t seed = 0; seed < 60; seed++)
