@@ -30,6 +30,7 @@ struct host_node {
     bool is_sequence;             /* more than one picture */
     uint32_t next_frame, frames_done;
     int last_number; /* of the last frame sent, as FrameBegin or repetition counts */
+    int numbers[HOST_FRAMES_UNDER_WAY]; /* of the frames under way */
     bool is_over;    /* no more frames will be sent */
     struct sent_message *sent; /* of the last frame of the scene */
     size_t sent_count, sent_capacity;
@@ -200,7 +201,7 @@ static bool begin_frame(struct host_node *self, struct frame_payload *payload, i
     broadcast(self, frame_payload_encode(payload, self->next_frame), outputs);
     payload->image_path = "";
     self->last_frame = *payload;
-    self->last_number = number;
+    self->last_number = self->numbers[self->next_frame % HOST_FRAMES_UNDER_WAY] = number;
     self->regions = region_grid_make(payload, &self->options.machine).count;
     return true;
 }
@@ -348,17 +349,18 @@ static bool finish_frame(struct host_node *self, const struct node_event *event,
     report->frames = memory_grow(report->frames, &self->frame_capacity, report->frame_count + 1,
                                  sizeof *report->frames);
     record.frame = event->header.frame;
+    record.number = self->numbers[record.frame % HOST_FRAMES_UNDER_WAY];
     report->frames[report->frame_count++] = record;
     self->frames_done++;
     char text[256];
     if (record.nan_depths) {
-        snprintf(text, sizeof text, "frame %u: %llu samples with a depth that is not a number were refused",
-                 record.frame, (unsigned long long)record.nan_depths);
+        snprintf(text, sizeof text, "frame %d: %llu samples with a depth that is not a number were refused",
+                 record.number, (unsigned long long)record.nan_depths);
         add_warning(self, text);
     }
     if (record.nan_colours) {
-        snprintf(text, sizeof text, "frame %u: %llu colour components of samples are not finite numbers",
-                 record.frame, (unsigned long long)record.nan_colours);
+        snprintf(text, sizeof text, "frame %d: %llu colour components of samples are not finite numbers",
+                 record.number, (unsigned long long)record.nan_colours);
         add_warning(self, text);
     }
     if (self->observer.frame_done)
@@ -380,8 +382,9 @@ static bool handle_message(struct host_node *self, const struct node_event *even
     switch (event->header.kind) {
     case WIRE_PROGRESS:
         if (self->observer.progress)
-            self->observer.progress(self->observer.context, event->header.frame, event->header.region,
-                                    self->regions);
+            self->observer.progress(self->observer.context,
+                                    self->numbers[event->header.frame % HOST_FRAMES_UNDER_WAY],
+                                    event->header.region, self->regions);
         self->node.frame = event->header.frame;
         self->node.region = event->header.region;
         return true;

@@ -29,7 +29,7 @@ struct host_observer {
     void *context;
     void (*warning)(void *context, const char *text);
     void (*shaders_compiled)(void *context, size_t shaders, size_t compiled);
-    void (*progress)(void *context, uint32_t frame, uint32_t regions_done, uint32_t regions);
+    void (*progress)(void *context, int number, uint32_t regions_done, uint32_t regions);
     void (*frame_done)(void *context, const struct frame_record *record);
 };
 

@@ -138,7 +138,8 @@ bool colour_open(const struct message *message, uint32_t region_samples, uint32_
 
 /* FRAME_DONE: what the framebuffer node found out about a frame. */
 struct frame_record {
-    uint32_t frame;
+    uint32_t frame; /* index from 0 */
+    int number;     /* as the scene counts (FrameBegin); known to the host, not sent */
     uint32_t regions, regions_covered;
     uint64_t samples_covered;
     int64_t start_ps, end_ps, time_ps;

@@ -25,7 +25,7 @@ static void add_times(cJSON *object, const char *key, const int64_t *times, uint
 
 static void add_frame(cJSON *frames, const struct frame_record *f) {
     cJSON *frame = cJSON_CreateObject();
-    add_whole(frame, "frame", f->frame + 1);
+    add_whole(frame, "frame", f->number);
     add_whole(frame, "time_ps", f->time_ps);
     add_whole(frame, "start_ps", f->start_ps);
     add_whole(frame, "end_ps", f->end_ps);

@@ -49,7 +49,7 @@ static void show_compiled(void *context, size_t shaders, size_t compiled) {
                 compiled, shaders - compiled, render_wall_s(progress));
 }
 
-static void show_progress(void *context, uint32_t frame, uint32_t done, uint32_t regions) {
+static void show_progress(void *context, int number, uint32_t done, uint32_t regions) {
     struct render_progress *progress = context;
     enum { BAR = 32 };
     if (progress->is_quiet || !progress->is_terminal || !regions)
@@ -59,7 +59,7 @@ static void show_progress(void *context, uint32_t frame, uint32_t done, uint32_t
     memset(bar, '.', BAR);
     memset(bar, '#', filled < BAR ? filled : BAR);
     bar[BAR] = 0;
-    fprintf(progress->stream, "\r\033[Kframe %u [%s] %u of %u regions, %.1f s", frame + 1, bar, done, regions,
+    fprintf(progress->stream, "\r\033[Kframe %d [%s] %u of %u regions, %.1f s", number, bar, done, regions,
             render_wall_s(progress));
     progress->has_line = true;
     fflush(progress->stream);
@@ -70,8 +70,8 @@ static void show_frame(void *context, const struct frame_record *record) {
     clear_line(progress);
     if (progress->is_quiet)
         return;
-    fprintf(progress->stream, "frame %u: %u of %u regions covered, simulated %.3f ms, bound by %s%s%s (%.2f s)\n",
-            record->frame + 1, record->regions_covered, record->regions, (double)record->time_ps * 1e-9,
+    fprintf(progress->stream, "frame %d: %u of %u regions covered, simulated %.3f ms, bound by %s%s%s (%.2f s)\n",
+            record->number, record->regions_covered, record->regions, (double)record->time_ps * 1e-9,
             timing_resource_name(record->bound_by), record->image_path[0] ? ", " : "", record->image_path,
             render_wall_s(progress));
     fflush(progress->stream);

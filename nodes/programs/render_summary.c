@@ -27,7 +27,7 @@ static void print_frames(FILE *stream, const struct host_report *report) {
     for (size_t i = 0; i < report->frame_count; i++) {
         const struct frame_record *f = &report->frames[i];
         const double time = (double)f->time_ps;
-        fprintf(stream, "  %5u %10.3f %9.2f  %-12s %9.1f %% %7.1f %% %7.1f %% %7.1f %% %10.1f %%\n", f->frame + 1,
+        fprintf(stream, "  %5d %10.3f %9.2f  %-12s %9.1f %% %7.1f %% %7.1f %% %7.1f %% %10.1f %%\n", f->number,
                 time * 1e-9, time > 0 ? 1e12 / time : 0, timing_resource_name(f->bound_by),
                 share((double)f->composition.busy_ps, time), share((double)f->geometry.busy_ps, time),
                 share(mean(f->raster_busy_ps, f->rendering_nodes), time),
