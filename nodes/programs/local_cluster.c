@@ -8,11 +8,13 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -87,16 +89,26 @@ static void remove_partial_pictures(const struct local_cluster *cluster, pid_t p
 }
 
 /* A loopback port that is free now; the host reports if somebody else is quicker. */
-static void choose_endpoint(struct local_cluster *cluster) {
+static unsigned free_port(void) {
+    struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t size = sizeof address;
+    const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (probe < 0 || bind(probe, (struct sockaddr *)&address, sizeof address) ||
+        getsockname(probe, (struct sockaddr *)&address, &size))
+        address.sin_port = 0;
+    if (probe >= 0)
+        close(probe);
+    return ntohs(address.sin_port);
+}
+
+static bool choose_endpoint(struct local_cluster *cluster, struct status *status) {
     if (cluster->options->transport == TRANSPORT_IPC) {
         snprintf(cluster->endpoint, sizeof cluster->endpoint, "ipc://%s/host", cluster->folder);
-        return;
+        return true;
     }
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    const unsigned port =
-        20000 + (unsigned)((unsigned long)getpid() * 31 + (unsigned long)now.tv_nsec / 1000) % 12000;
+    const unsigned port = free_port();
     snprintf(cluster->endpoint, sizeof cluster->endpoint, "tcp://127.0.0.1:%u", port);
+    return port || status_fail(status, STATUS_IO, "no port of the loopback interface is free");
 }
 
 /* The child's side between fork and exec. */
@@ -190,9 +202,8 @@ static bool start_all(struct local_cluster *cluster, int argument_count, char **
         cluster->pool_descriptor = shared_pool_create(cluster->count);
     if (!program_folder(cluster->programs, sizeof cluster->programs))
         return status_fail(status, STATUS_NOT_FOUND, "cannot find the folder of the node programs");
-    if (!make_folder(cluster, status))
+    if (!make_folder(cluster, status) || !choose_endpoint(cluster, status))
         return false;
-    choose_endpoint(cluster);
     bool ok = start_host(cluster, argument_count, arguments, status);
     uint32_t entry = 1;
     for (uint32_t i = 0; ok && i < r; i++)
