@@ -87,6 +87,25 @@ struct ir_operand lower_space(struct lowering *l, const struct source_location *
 struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e,
                                   const char *from, const char *to, const struct ir_value *value);
 
+/* Element `index` of the matrix from this space to camera space. */
+struct ir_operand lower_space_element(struct lowering *l, const struct source_location *at,
+                                      const struct ir_operand *space, int index);
+
+/* lower_matrix.c: a matrix is one array variable of 16 floats */
+void lower_matrix_copy(struct lowering *l, const struct source_location *at,
+                       const struct ir_value *to, const struct ir_value *from);
+struct ir_value lower_matrix_diagonal(struct lowering *l, const struct source_location *at,
+                                      struct ir_operand number);
+struct ir_value lower_matrix_tuple(struct lowering *l, struct ast_expression *e);
+/* a b, or a times the inverse of b */
+struct ir_value lower_matrix_binary(struct lowering *l, const struct source_location *at,
+                                    bool divides, const struct ir_value *a,
+                                    const struct ir_value *b);
+struct ir_value lower_matrix_in_space(struct lowering *l, const struct source_location *at,
+                                      const struct ir_operand *space, const struct ir_value *value);
+struct ir_value lower_matrix_builtin(struct lowering *l, const struct ast_expression *e,
+                                     const struct ir_value *arguments);
+
 /* lower_expression.c */
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
 /* lower_builtin.c */

@@ -104,6 +104,10 @@ void lower_move(struct lowering *l, const struct source_location *at, struct ir_
 
 void lower_assign(struct lowering *l, const struct source_location *at, const struct ir_value *to,
                   const struct ir_value *from) {
+    if (to->array_length) { /* a matrix: other arrays are not assigned */
+        lower_matrix_copy(l, at, to, from);
+        return;
+    }
     struct ir_value safe = *from;
     for (int i = 1; i < to->count; i++)
         for (int j = 0; j < i; j++)
@@ -120,6 +124,8 @@ void lower_assign(struct lowering *l, const struct source_location *at, const st
 struct ir_value lower_variables(struct lowering *l, const struct source_location *at,
                                 enum ast_type type, int array_length, const char *name,
                                 enum ast_storage storage) {
+    if (type == TYPE_MATRIX)
+        array_length = 16;
     struct ir_value value = {.count = type == TYPE_VOID ? 0 : ast_type_width(type),
                              .array_length = array_length};
     l->ir->array_floats += array_length > 0 ? array_length * value.count : 0;

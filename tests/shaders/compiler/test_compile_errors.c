@@ -31,6 +31,15 @@ static const struct {
      "test.sl:1:20: error: area() is not supported: it needs derivatives\n"
      "surface a() { Ci = area(P); }\n"
      "                   ^"},
+    {"surface a(matrix m = 1;) { matrix n[2]; }",
+     "test.sl:1:18: error: a matrix cannot be a parameter of a shader\n"
+     "surface a(matrix m = 1;) { matrix n[2]; }\n                 ^\n"
+     "test.sl:1:35: error: arrays of matrices are not supported\n"
+     "surface a(matrix m = 1;) { matrix n[2]; }\n                                  ^"},
+    {"surface a() { matrix m = 1; Ci = xcomp(P * m); }",
+     "test.sl:1:42: error: '*' does not work between point and matrix\n"
+     "surface a() { matrix m = 1; Ci = xcomp(P * m); }\n"
+     "                                         ^"},
     {"surface a() { Ci = spline(\"bezier\", s, 1, 2, 3, 4, 5); }",
      "test.sl:1:20: error: a bezier spline has 4 values and 3 more for each further segment, not "
      "5\n"
