@@ -34,7 +34,7 @@ struct lowering {
     struct ir_list *list;  /* being appended to */
     struct ir_list *scope; /* where variables of the user are declared: never a guard */
     struct lower_call *call;
-    int depth; /* of the recursion over expressions, through inlined functions */
+    int depth; /* of the recursion over the tree, through inlined functions: lower_deeper */
     const struct source_location *site; /* of the call into the prelude, NULL outside of it */
     bool in_default; /* evaluating a parameter's default: points are in shader space */
     struct ir_value light_direction, light_color; /* inside illuminance; count 0 outside */
@@ -44,6 +44,8 @@ struct lowering {
 };
 
 /* lower_values.c */
+/* Recursive functions add to l->depth what they weigh on the stack, and take it away again. */
+void lower_deeper(struct lowering *l, const struct source_location *at, int depth);
 const struct source_location *lower_at(struct lowering *l, const struct source_location *at);
 struct ir_variable *lower_temporary(struct lowering *l, enum ir_type type);
 struct ir_operand lower_operate(struct lowering *l, const struct source_location *at,

@@ -296,10 +296,7 @@ static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {
 
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e) {
     int depth = e->kind != EXPRESSION_CALL ? 1 : 16; /* calls weigh more on the stack */
-    l->depth += depth;
-    if (l->depth > INLINE_DEPTH_MAX)
-        compile_limit(l->c, lower_at(l, &e->at),
-                      "calls and operators are nested too deep once functions are inlined");
+    lower_deeper(l, &e->at, depth);
     struct ir_value value = lower_any(l, e);
     l->depth -= depth;
     return value;

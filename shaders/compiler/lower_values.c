@@ -5,6 +5,13 @@ const struct source_location *lower_at(struct lowering *l, const struct source_l
     return l->site ? l->site : at;
 }
 
+void lower_deeper(struct lowering *l, const struct source_location *at, int depth) {
+    l->depth += depth;
+    if (l->depth > INLINE_DEPTH_MAX)
+        compile_limit(l->c, lower_at(l, at),
+                      "calls and operators are nested too deep once functions are inlined");
+}
+
 enum ir_type lower_type(enum ast_type type) {
     return type == TYPE_BOOL ? IR_BOOL : type == TYPE_STRING ? IR_STRING : IR_FLOAT;
 }

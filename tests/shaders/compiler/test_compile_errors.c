@@ -167,6 +167,19 @@ static void long_chains_of_calls_end_in_a_message(void **state) {
     assert_null(harness_compile(source, NULL, &status));
     assert_int_equal(status.code, STATUS_LIMIT);
     assert_non_null(strstr(status.message, "nested too deep once functions are inlined"));
+    strcpy(source, "float f0(float x) { return x; }\n");
+    for (int i = 1; i < 200; i++) { /* blocks inside blocks in each of them */
+        char open[101], close[101];
+        memset(open, '{', 100);
+        memset(close, '}', 100);
+        open[100] = close[100] = '\0';
+        sprintf(source + strlen(source),
+                "float f%d(float x) { float y; %s y = f%d(x); %s return y; }\n", i, open, i - 1,
+                close);
+    }
+    strcat(source, "surface a() { Ci = f199(s); }");
+    assert_null(harness_compile(source, NULL, &status));
+    assert_int_equal(status.code, STATUS_LIMIT);
     /* 1000 operators in a row and 100 calls inside each other stay possible */
     strcpy(source, "float f0(float x) { return x; }\n");
     for (int i = 1; i <= 100; i++)
