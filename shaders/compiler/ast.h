@@ -17,6 +17,7 @@ enum ast_type {
     TYPE_VECTOR = SHADER_VECTOR,
     TYPE_NORMAL = SHADER_NORMAL,
     TYPE_STRING = SHADER_STRING,
+    TYPE_MATRIX, /* variables only: not a parameter of a shader, not in arrays */
     TYPE_TRIPLE,
     TYPE_BOOL,
     TYPE_VOID,

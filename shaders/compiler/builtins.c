@@ -49,9 +49,6 @@ static const struct {
     {"Deriv", "it needs derivatives"},
     {"calculatenormal", "it needs derivatives"},
     {"depth", "not there yet"},
-    {"determinant", "matrices are not supported yet"},
-    {"translate", "matrices are not supported yet"},
-    {"scale", "matrices are not supported yet"},
 };
 
 const char *builtin_neutral(enum builtin_id id, float *value) {
@@ -127,7 +124,7 @@ int ast_conversion_cost(enum ast_type from, enum ast_type to) {
         return ast_type_is_triple(from) ? 1 : -1;
     if (ast_type_is_geometric(from) && ast_type_is_geometric(to))
         return 1;
-    if (from == TYPE_FLOAT && ast_type_is_triple(to))
+    if (from == TYPE_FLOAT && (ast_type_is_triple(to) || to == TYPE_MATRIX))
         return 3;
     if ((from == TYPE_FLOAT && to == TYPE_BOOL) || (from == TYPE_BOOL && to == TYPE_FLOAT))
         return 2;
@@ -146,6 +143,8 @@ static enum ast_type letter_type(char letter) {
         return TYPE_VECTOR;
     case 'n':
         return TYPE_NORMAL;
+    case 'm':
+        return TYPE_MATRIX;
     case 's':
         return TYPE_STRING;
     case 'b':
@@ -218,6 +217,8 @@ bool builtin_resolve(const struct builtin *builtin, const enum ast_type *argumen
 
 const char *ast_type_name(enum ast_type type) {
     switch (type) {
+    case TYPE_MATRIX:
+        return "matrix";
     case TYPE_TRIPLE:
         return "(x, y, z)";
     case TYPE_BOOL:

@@ -6,9 +6,9 @@
 
 /* The functions that lowering knows by itself; the rest of the standard ones are RSL in prelude.c.
  *
- * X(ID, name, overloads). An overload is RESULT:ARGUMENTS, with f float, c color, p point, v
- * vector, n normal, s string, b boolean, 0 nothing, t any triple, `.` any value; & before an
- * argument that is written to; * after one that may repeat. The first overload that fits best is
+ * X(ID, name, overloads). An overload is RESULT:ARGUMENTS, with f float, c color, m matrix, p
+ * point, v vector, n normal, s string, b boolean, 0 nothing, t any triple, `.` any value; & before
+ * an argument that is written to; * after one that may repeat. The first overload that fits best is
  * taken. */
 #define BUILTINS(X)                                                                                \
     X(RADIANS, "radians", "f:f")                                                                   \
@@ -45,20 +45,24 @@
     X(XCOMP, "xcomp", "f:t")                                                                       \
     X(YCOMP, "ycomp", "f:t")                                                                       \
     X(ZCOMP, "zcomp", "f:t")                                                                       \
-    X(COMP, "comp", "f:tf")                                                                        \
+    X(COMP, "comp", "f:tf f:mff")                                                                  \
     X(SETXCOMP, "setxcomp", "0:&tf")                                                               \
     X(SETYCOMP, "setycomp", "0:&tf")                                                               \
     X(SETZCOMP, "setzcomp", "0:&tf")                                                               \
-    X(SETCOMP, "setcomp", "0:&tff")                                                                \
+    X(SETCOMP, "setcomp", "0:&tff 0:&mfff")                                                        \
     X(LENGTH, "length", "f:v")                                                                     \
     X(NORMALIZE, "normalize", "v:v n:n")                                                           \
     X(DISTANCE, "distance", "f:pp")                                                                \
     X(FACEFORWARD, "faceforward", "n:nv n:nvn v:vv v:vvv")                                         \
-    X(TRANSFORM, "transform", "p:sp p:ssp")                                                        \
-    X(VTRANSFORM, "vtransform", "v:sv v:ssv")                                                      \
-    X(NTRANSFORM, "ntransform", "n:sn n:ssn")                                                      \
+    X(TRANSFORM, "transform", "p:sp p:ssp p:mp")                                                   \
+    X(VTRANSFORM, "vtransform", "v:sv v:ssv v:mv")                                                 \
+    X(NTRANSFORM, "ntransform", "n:sn n:ssn n:mn")                                                 \
     X(CTRANSFORM, "ctransform", "c:sc c:ssc")                                                      \
     X(AMBIENT, "ambient", "c:")                                                                    \
+    X(DETERMINANT, "determinant", "f:m")                                                           \
+    X(TRANSLATE, "translate", "m:mv")                                                              \
+    X(ROTATE, "rotate", "m:mfv") /* the other rotate is in the prelude */                          \
+    X(SCALE, "scale", "m:mv")                                                                      \
     X(SPLINE, "spline", "") /* check_call.c */                                                     \
     X(PRINTF, "printf", "0:s.*")                                                                   \
     X(FORMAT, "format", "s:s.*")                                                                   \

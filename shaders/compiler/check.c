@@ -107,6 +107,10 @@ static void check_declaration(struct checker *k, struct ast_symbol *symbol) {
         compile_error(k->c, &symbol->at, "array '%.64s' needs a length", symbol->name);
         symbol->array_length = 1;
     }
+    if (symbol->type == TYPE_MATRIX && (symbol->array_length || symbol->is_parameter))
+        compile_error(k->c, &symbol->at,
+                      symbol->array_length ? "arrays of matrices are not supported"
+                                           : "a matrix cannot be a parameter of a shader");
     if (symbol->type == TYPE_STRING && symbol->storage == STORAGE_VARYING)
         compile_error(k->c, &symbol->at, "strings are uniform");
     if (symbol->array_length && symbol->type == TYPE_STRING && !symbol->is_formal)

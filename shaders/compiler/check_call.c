@@ -225,7 +225,8 @@ struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
     if (function && function->is_prelude) /* these may differ in how many arguments they take */
         function = prelude_overload(k, function, e->argument_count);
     const struct builtin *builtin = builtin_find(e->name);
-    if (function && !(function->is_prelude && builtin))
+    if (function &&
+        (!function->is_prelude || !builtin || function->formal_count == e->argument_count))
         return check_user_call(k, e, function);
     if (builtin)
         return check_builtin_call(k, e, builtin, wanted);

@@ -87,7 +87,7 @@ static struct ast_expression *check_tuple(struct checker *k, struct ast_expressi
         *a = check_as(k, *a, TYPE_FLOAT);
         (*a)->next = next;
     }
-    e->type = TYPE_TRIPLE;
+    e->type = e->argument_count == 16 ? TYPE_MATRIX : TYPE_TRIPLE;
     return e;
 }
 
@@ -116,6 +116,11 @@ static struct ast_expression *check_unary(struct checker *k, struct ast_expressi
 static enum ast_type arithmetic_type(int token, enum ast_type a, enum ast_type b) {
     if (a == TYPE_FLOAT && b == TYPE_FLOAT)
         return TYPE_FLOAT;
+    if (a == TYPE_MATRIX || b == TYPE_MATRIX) {
+        bool is_fine =
+            (token == '*' || token == '/') && (a == b || a == TYPE_FLOAT || b == TYPE_FLOAT);
+        return is_fine ? TYPE_MATRIX : TYPE_ERROR;
+    }
     if (a == TYPE_FLOAT || a == TYPE_TRIPLE)
         return ast_type_is_triple(b) ? b : TYPE_ERROR;
     if (b == TYPE_FLOAT || b == TYPE_TRIPLE)
@@ -205,6 +210,10 @@ static struct ast_expression *check_binary(struct checker *k, struct ast_express
                       ast_type_name(e->right->type));
         return fail(e);
     }
+    if (e->type == TYPE_MATRIX) {
+        e->left = check_convert(k, e->left, TYPE_MATRIX);
+        e->right = check_convert(k, e->right, TYPE_MATRIX);
+    }
     return e;
 }
 
@@ -273,6 +282,8 @@ static struct ast_expression *check_assign(struct checker *k, struct ast_express
                       ast_type_name(e->type), ast_type_name(e->right->type));
         return fail(e);
     }
+    if (e->type == TYPE_MATRIX)
+        e->right = check_convert(k, e->right, TYPE_MATRIX);
     return e;
 }
 
@@ -299,7 +310,7 @@ static struct ast_expression *check_cast(struct checker *k, struct ast_expressio
                       e->left->array_length ? "an array of " : "", ast_type_name(from));
         return fail(e);
     }
-    if (e->name && !ast_type_is_triple(e->type)) {
+    if (e->name && !ast_type_is_triple(e->type) && e->type != TYPE_MATRIX) {
         compile_error(k->c, &e->at, "a %s is in no space", ast_type_name(e->type));
         return fail(e);
     }

@@ -19,8 +19,8 @@ enum {
     EXPRESSION_DEPTH_MAX = 1000, /* operators in a row that build one tree */
     CONTROL_DEPTH_MAX =
         120, /* control flow inside each other after inlining; C compilers stop at 256 */
-    INLINE_DEPTH_MAX =
-        4000, /* operators (1 each) and calls (16 each) inside each other after inlining */
+    INLINE_DEPTH_MAX = 4000, /* operators (1 each), statements (2) and calls (16) inside each other
+                                after inlining */
     INSTRUCTION_COUNT_MAX = 200000,
     ARRAY_FLOATS_MAX = 65536, /* of one array, and of all arrays of a shader after inlining */
     ERROR_COUNT_MAX = 8,

@@ -34,7 +34,7 @@ struct lowering {
     struct ir_list *list;  /* being appended to */
     struct ir_list *scope; /* where variables of the user are declared: never a guard */
     struct lower_call *call;
-    int depth; /* of the recursion over expressions, through inlined functions */
+    int depth; /* of the recursion over the tree, through inlined functions: lower_deeper */
     const struct source_location *site; /* of the call into the prelude, NULL outside of it */
     bool in_default; /* evaluating a parameter's default: points are in shader space */
     struct ir_value light_direction, light_color; /* inside illuminance; count 0 outside */
@@ -44,6 +44,8 @@ struct lowering {
 };
 
 /* lower_values.c */
+/* Recursive functions add to l->depth what they weigh on the stack, and take it away again. */
+void lower_deeper(struct lowering *l, const struct source_location *at, int depth);
 const struct source_location *lower_at(struct lowering *l, const struct source_location *at);
 struct ir_variable *lower_temporary(struct lowering *l, enum ir_type type);
 struct ir_operand lower_operate(struct lowering *l, const struct source_location *at,
@@ -86,6 +88,25 @@ struct ir_operand lower_space(struct lowering *l, const struct source_location *
                               const char *name);
 struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e,
                                   const char *from, const char *to, const struct ir_value *value);
+
+/* Element `index` of the matrix from this space to camera space. */
+struct ir_operand lower_space_element(struct lowering *l, const struct source_location *at,
+                                      const struct ir_operand *space, int index);
+
+/* lower_matrix.c: a matrix is one array variable of 16 floats */
+void lower_matrix_copy(struct lowering *l, const struct source_location *at,
+                       const struct ir_value *to, const struct ir_value *from);
+struct ir_value lower_matrix_diagonal(struct lowering *l, const struct source_location *at,
+                                      struct ir_operand number);
+struct ir_value lower_matrix_tuple(struct lowering *l, struct ast_expression *e);
+/* a b, or a times the inverse of b */
+struct ir_value lower_matrix_binary(struct lowering *l, const struct source_location *at,
+                                    bool divides, const struct ir_value *a,
+                                    const struct ir_value *b);
+struct ir_value lower_matrix_in_space(struct lowering *l, const struct source_location *at,
+                                      const struct ir_operand *space, const struct ir_value *value);
+struct ir_value lower_matrix_builtin(struct lowering *l, const struct ast_expression *e,
+                                     const struct ir_value *arguments);
 
 /* lower_expression.c */
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);

@@ -203,6 +203,8 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_expression(l, x);
     }
+    if (a.count && a.value[0].array_length)
+        return lower_matrix_builtin(l, e, a.value);
     switch (e->builtin->id) {
     case BUILTIN_MIN:
         return lower_extreme(l, e, &a, IR_MIN);

@@ -31,6 +31,8 @@ static bool is_alias(const struct ast_function *function, const struct ast_symbo
                      const struct ir_value *argument) {
     if (formal->array_length)
         return true;
+    if (formal->type == TYPE_MATRIX)
+        return false;
     if (formal->is_assigned || formal->storage != STORAGE_UNSAID)
         return false;
     if (!function->has_outputs)

@@ -30,6 +30,8 @@ static struct ir_value lower_convert(struct lowering *l, struct ast_expression *
     else if (from == TYPE_BOOL && e->type != TYPE_BOOL)
         value.part[0] =
             lower_operate(l, &e->at, IR_SELECT, value.part[0], ir_float(1), ir_float(0));
+    if (e->type == TYPE_MATRIX)
+        return lower_matrix_diagonal(l, &e->at, value.part[0]);
     value = widen(&value, e->type);
     if (l->in_default && from == TYPE_FLOAT && ast_type_is_geometric(e->type))
         return into_current(l, &e->at, e->type, &value);
@@ -39,6 +41,8 @@ static struct ir_value lower_convert(struct lowering *l, struct ast_expression *
 static struct ir_value lower_tuple(struct lowering *l, struct ast_expression *e) {
     struct ir_value value = {.count = 3};
     int i = 0;
+    if (e->type == TYPE_MATRIX)
+        return lower_matrix_tuple(l, e);
     for (struct ast_expression *a = e->arguments; a && i < 3; a = a->next)
         value.part[i++] = lower_expression(l, a).part[0];
     if (l->in_default && ast_type_is_geometric(e->type))
@@ -56,6 +60,14 @@ static struct ir_value lower_cast(struct lowering *l, struct ast_expression *e) 
     if (e->left->type == TYPE_BOOL)
         value.part[0] =
             lower_operate(l, &e->at, IR_SELECT, value.part[0], ir_float(1), ir_float(0));
+    if (e->type == TYPE_MATRIX) {
+        if (e->left->type != TYPE_MATRIX)
+            value = lower_matrix_diagonal(l, &e->at, value.part[0]);
+        struct ir_operand space = ir_string(SHADER_SPACE_CURRENT);
+        if (e->name)
+            space = lower_space(l, &e->at, e->name);
+        return lower_matrix_in_space(l, &e->at, &space, &value);
+    }
     value = widen(&value, e->type);
     if (e->name && e->type == TYPE_COLOR)
         return lower_color_space(l, e, e->name, "rgb", &value);
@@ -126,6 +138,8 @@ static enum ir_operation arithmetic(int token) {
 
 static struct ir_value lower_binary_expression(struct lowering *l, struct ast_expression *e) {
     struct ir_value a = lower_expression(l, e->left), b = lower_expression(l, e->right);
+    if (e->type == TYPE_MATRIX)
+        return lower_matrix_binary(l, &e->at, e->token == '/', &a, &b);
     switch (e->token) {
     case TOKEN_AND:
         return scalar(lower_binary(l, &e->at, IR_AND, a.part[0], b.part[0]));
@@ -176,14 +190,16 @@ static bool is_simple(const struct ast_expression *e) {
 static struct ir_value lower_conditional(struct lowering *l, struct ast_expression *e) {
     struct ir_value condition = lower_expression(l, e->left);
     struct ir_value value = {.count = ast_type_width(e->type)};
-    if (lower_type(e->type) == IR_FLOAT && is_simple(e->right) && is_simple(e->third)) {
+    if (e->type == TYPE_MATRIX)
+        value = lower_variables(l, &e->at, TYPE_MATRIX, 0, NULL, STORAGE_UNSAID);
+    else if (lower_type(e->type) == IR_FLOAT && is_simple(e->right) && is_simple(e->third)) {
         struct ir_value a = lower_expression(l, e->right), b = lower_expression(l, e->third);
         for (int i = 0; i < value.count; i++)
             value.part[i] =
                 lower_operate(l, &e->at, IR_SELECT, condition.part[0], a.part[i], b.part[i]);
         return value;
     }
-    for (int i = 0; i < value.count; i++)
+    for (int i = 0; i < value.count && !value.array_length; i++)
         value.part[i] = ir_of(ir_variable_new(l->ir, l->list, lower_type(e->type), NULL));
     if (e->type == TYPE_STRING)
         value.part[0].variable->is_declared_uniform = true;
@@ -231,11 +247,14 @@ static struct ir_value lower_assignment(struct lowering *l, struct ast_expressio
     bool is_element = e->left->kind == EXPRESSION_INDEX;
     if (is_element)
         index = lower_expression(l, e->left->right);
-    if (e->token) {
+    if (e->token && e->type == TYPE_MATRIX) {
+        right = lower_matrix_binary(l, &e->at, e->token == '/', &target, &right);
+    } else if (e->token) {
         struct ir_value left = is_element ? lower_load(l, &e->at, &target, index.part[0]) : target;
         right = lower_each(l, &e->at, arithmetic(e->token), &left, &right);
     }
-    right = widen(&right, e->type);
+    if (!right.array_length)
+        right = widen(&right, e->type);
     if (is_element)
         lower_store(l, e->left, &target, index.part[0], &right);
     else
@@ -277,10 +296,7 @@ static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {
 
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e) {
     int depth = e->kind != EXPRESSION_CALL ? 1 : 16; /* calls weigh more on the stack */
-    l->depth += depth;
-    if (l->depth > INLINE_DEPTH_MAX)
-        compile_limit(l->c, lower_at(l, &e->at),
-                      "calls and operators are nested too deep once functions are inlined");
+    lower_deeper(l, &e->at, depth);
     struct ir_value value = lower_any(l, e);
     l->depth -= depth;
     return value;

@@ -85,6 +85,14 @@ static void need(struct lowering *l, const struct ir_operand *space) {
         l->ir->spaces |= (1u << SHADER_SPACE_COUNT) - 1;
 }
 
+struct ir_operand lower_space_element(struct lowering *l, const struct source_location *at,
+                                      const struct ir_operand *space, int index) {
+    if (is_camera(space))
+        return ir_float(index % 5 ? 0 : 1);
+    need(l, space);
+    return element(l, at, IR_TO_CAMERA, space, index / 4, index % 4);
+}
+
 struct ir_value lower_transform(struct lowering *l, const struct source_location *at,
                                 enum ast_type type, const struct ir_operand *from,
                                 const struct ir_operand *to, const struct ir_value *value) {

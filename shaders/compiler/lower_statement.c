@@ -161,6 +161,7 @@ static void lower_for(struct lowering *l, struct ast_statement *s) {
 
 static void lower_statement(struct lowering *l, struct ast_statement *s) {
     struct ir_list *scope = l->scope;
+    lower_deeper(l, &s->at, 2);
     switch (s->kind) {
     case STATEMENT_EMPTY:
     case STATEMENT_FUNCTION:
@@ -198,4 +199,5 @@ static void lower_statement(struct lowering *l, struct ast_statement *s) {
         lower_illuminate(l, s);
         break;
     }
+    l->depth -= 2;
 }

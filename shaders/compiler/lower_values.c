@@ -5,6 +5,13 @@ const struct source_location *lower_at(struct lowering *l, const struct source_l
     return l->site ? l->site : at;
 }
 
+void lower_deeper(struct lowering *l, const struct source_location *at, int depth) {
+    l->depth += depth;
+    if (l->depth > INLINE_DEPTH_MAX)
+        compile_limit(l->c, lower_at(l, at),
+                      "calls and operators are nested too deep once functions are inlined");
+}
+
 enum ir_type lower_type(enum ast_type type) {
     return type == TYPE_BOOL ? IR_BOOL : type == TYPE_STRING ? IR_STRING : IR_FLOAT;
 }
@@ -104,6 +111,10 @@ void lower_move(struct lowering *l, const struct source_location *at, struct ir_
 
 void lower_assign(struct lowering *l, const struct source_location *at, const struct ir_value *to,
                   const struct ir_value *from) {
+    if (to->array_length) { /* a matrix: other arrays are not assigned */
+        lower_matrix_copy(l, at, to, from);
+        return;
+    }
     struct ir_value safe = *from;
     for (int i = 1; i < to->count; i++)
         for (int j = 0; j < i; j++)
@@ -120,6 +131,8 @@ void lower_assign(struct lowering *l, const struct source_location *at, const st
 struct ir_value lower_variables(struct lowering *l, const struct source_location *at,
                                 enum ast_type type, int array_length, const char *name,
                                 enum ast_storage storage) {
+    if (type == TYPE_MATRIX)
+        array_length = 16;
     struct ir_value value = {.count = type == TYPE_VOID ? 0 : ast_type_width(type),
                              .array_length = array_length};
     l->ir->array_floats += array_length > 0 ? array_length * value.count : 0;

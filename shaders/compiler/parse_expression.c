@@ -43,11 +43,8 @@ static struct ast_expression *parse_parenthesis(struct parser *p) {
     struct ast_expression *list = parse_arguments(p, &count);
     if (count == 1)
         return list;
-    if (!p->is_panicking && count != 3) {
-        parser_complain(p, &at,
-                        count == 16 ? "matrices are not supported yet"
-                                    : "expected one value, or three as (x, y, z)");
-    }
+    if (!p->is_panicking && count != 3 && count != 16)
+        parser_complain(p, &at, "expected one value, three as (x, y, z), or a matrix of 16");
     struct ast_expression *e = new_expression(p, EXPRESSION_TUPLE, &at);
     e->arguments = list;
     e->argument_count = count;

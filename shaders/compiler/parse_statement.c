@@ -68,7 +68,7 @@ bool parser_type(const struct parser *p, int kind, enum ast_type *type) {
         *type = TYPE_VOID;
         return true;
     case TOKEN_MATRIX:
-        *type = TYPE_ERROR;
+        *type = TYPE_MATRIX;
         return true;
     }
     return false;
@@ -122,8 +122,6 @@ static bool is_qualifier(int kind) {
 static void parse_declaration_type(struct parser *p, struct declaration *d) {
     parse_qualifiers(p, d);
     if (parser_type(p, p->token.kind, &d->type)) {
-        if (p->token.kind == TOKEN_MATRIX)
-            parser_complain(p, &p->token.at, "type matrix is not supported yet");
         parser_advance(p);
     } else {
         parser_complain(p, &p->token.at, "expected a type");

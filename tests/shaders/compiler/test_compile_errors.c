@@ -31,6 +31,15 @@ static const struct {
      "test.sl:1:20: error: area() is not supported: it needs derivatives\n"
      "surface a() { Ci = area(P); }\n"
      "                   ^"},
+    {"surface a(matrix m = 1;) { matrix n[2]; }",
+     "test.sl:1:18: error: a matrix cannot be a parameter of a shader\n"
+     "surface a(matrix m = 1;) { matrix n[2]; }\n                 ^\n"
+     "test.sl:1:35: error: arrays of matrices are not supported\n"
+     "surface a(matrix m = 1;) { matrix n[2]; }\n                                  ^"},
+    {"surface a() { matrix m = 1; Ci = xcomp(P * m); }",
+     "test.sl:1:42: error: '*' does not work between point and matrix\n"
+     "surface a() { matrix m = 1; Ci = xcomp(P * m); }\n"
+     "                                         ^"},
     {"surface a() { Ci = spline(\"bezier\", s, 1, 2, 3, 4, 5); }",
      "test.sl:1:20: error: a bezier spline has 4 values and 3 more for each further segment, not "
      "5\n"
@@ -158,6 +167,19 @@ static void long_chains_of_calls_end_in_a_message(void **state) {
     assert_null(harness_compile(source, NULL, &status));
     assert_int_equal(status.code, STATUS_LIMIT);
     assert_non_null(strstr(status.message, "nested too deep once functions are inlined"));
+    strcpy(source, "float f0(float x) { return x; }\n");
+    for (int i = 1; i < 200; i++) { /* blocks inside blocks in each of them */
+        char open[101], close[101];
+        memset(open, '{', 100);
+        memset(close, '}', 100);
+        open[100] = close[100] = '\0';
+        sprintf(source + strlen(source),
+                "float f%d(float x) { float y; %s y = f%d(x); %s return y; }\n", i, open, i - 1,
+                close);
+    }
+    strcat(source, "surface a() { Ci = f199(s); }");
+    assert_null(harness_compile(source, NULL, &status));
+    assert_int_equal(status.code, STATUS_LIMIT);
     /* 1000 operators in a row and 100 calls inside each other stay possible */
     strcpy(source, "float f0(float x) { return x; }\n");
     for (int i = 1; i <= 100; i++)

@@ -374,6 +374,101 @@ static void random_differs_by_call_and_sample_but_not_by_run(void **state) {
         assert_true(result.color[0][n] != result.color[1][n]);
 }
 
+static void by_rows(double i, double color[3]) {
+    /* (i, 2, 3, 1) times the rows below, and again */
+    double p[3] = {i * 2 + 3 * 0.5 + 10, 2 * 3 - i + 20, 3 * 4 + 2 + 30};
+    color[0] = p[0] * 2 + p[2] * 0.5 + 10;
+    color[1] = p[1] * 3 - p[0] + 20;
+    color[2] = p[2] * 4 + p[1] + 30;
+}
+
+#define MATRIX_M "matrix m = (2, -1, 0, 0,  0, 3, 1, 0,  0.5, 0, 4, 0,  10, 20, 30, 1);\n"
+
+static void matrices_apply_to_row_vectors(void **state) {
+    assert_colors("surface a() { " MATRIX_M "Ci = color (transform(m * m, P)); }", by_rows);
+    assert_colors(
+        "matrix twice(matrix x) { return x * x; }\n"
+        "void change(output matrix x; float k) { setcomp(x, 3, k, comp(x, 3, k) * 1); x *= 1; }\n"
+        "surface a() { " MATRIX_M "matrix n = m; n *= m; change(n, mod(s, 4));\n"
+        "  n = s > 7 ? n : twice(m);\n"
+        "  if (s > 3) { n = n / 2; n = 2 * n; }\n"
+        "  Ci = color (transform(n, P)); }",
+        by_rows);
+}
+
+static void unchanged(double i, double color[3]) {
+    color[0] = i;
+    color[1] = 2;
+    color[2] = 3;
+}
+
+static void dividing_by_a_matrix_undoes_it(void **state) {
+    assert_colors("surface a() { " MATRIX_M "Ci = color (transform(m / m, P)); }", unchanged);
+    assert_colors("surface a() { matrix k = (1, s, 2, 0.5, 0, 1, 3, 1, 4, 0, 1, 0, 1, 2, 0, 1);\n"
+                  "  matrix i = 1 / k, one = i * k; float r, c, worst = 0;\n"
+                  "  for (r = 0; r < 4; r += 1) for (c = 0; c < 4; c += 1)\n"
+                  "    worst = max(worst, abs(comp(one, r, c) - (r == c ? 1 : 0)));\n"
+                  "  Ci = color (worst < 0.00002 ? s : -1, 2, 3); }",
+                  unchanged);
+}
+
+static void of_matrices(double i, double color[3]) {
+    color[0] = 2 * (3 * 4 - 0) - -1 * (0 * 4 - 1 * 0.5);
+    color[1] = 2 * i;
+    color[2] = 7;
+}
+
+static void determinants_and_cells(void **state) {
+    assert_colors("surface a() { " MATRIX_M "matrix z = 0; setcomp(z, 1, 2, s); z = z * 2;\n"
+                  "  Ci = color (determinant(m), comp(z, 1, 2), comp(matrix 7, 9, 3)); }",
+                  of_matrices);
+}
+
+static void placed(double i, double color[3]) {
+    double a = i / 5, x = 3 * i, y = 2, z = 3;
+    color[0] = x * cos(a) - y * sin(a) + 5;
+    color[1] = x * sin(a) + y * cos(a) + 6;
+    color[2] = z + 7;
+}
+
+static void translate_rotate_and_scale_come_before_what_is_there(void **state) {
+    assert_colors(
+        "surface a() {\n"
+        "  matrix m = scale(rotate(translate(1, (5, 6, 7)), s / 5, (0, 0, 2)), (3, 1, 1));\n"
+        "  Ci = color (transform(m, P)); }",
+        placed);
+    assert_colors("surface a() { vector axis = vector (1, 2, 3);\n"
+                  "  point p = transform(rotate(1, s, axis), P), q = rotate(P, s, point (0, 0, 0), "
+                  "point (0, 0, 0) + axis);\n"
+                  "  Ci = color (distance(p, q) < 0.00002 ? s : -1, 2, 3); }",
+                  unchanged);
+}
+
+static void normals_stay_normal_to_surfaces(void **state) {
+    assert_colors("surface a() { " MATRIX_M
+                  "vector v = vector (s, 1, 2); normal n = normal (1, 0, -s / 2);\n"
+                  "  float before = v . n, after = vtransform(m, v) . ntransform(m, n);\n"
+                  "  Ci = color (abs(before) + abs(after) < 0.00002 ? s : -1, 2, 3); }",
+                  unchanged);
+}
+
+static void matrices_of_spaces_are_those_of_points(void **state) {
+    struct harness h;
+    struct harness_result result;
+    harness_open(&h,
+                 "surface a() { point p = point \"shader\" (s, 1, 2);\n"
+                 "  Ci = color (p) - color (transform(matrix \"shader\" 1, point (s, 1, 2))); }",
+                 8, NULL);
+    for (int i = 0; i < 3; i++) {
+        h.matrices.to_camera[SHADER_SPACE_SHADER][i * 5] = 2;
+        h.matrices.to_camera[SHADER_SPACE_SHADER][12 + i] = 10;
+    }
+    harness_run(&h, NULL, 0, &result);
+    for (int c = 0; c < 3; c++)
+        assert_each(&result, c, 0, 0);
+    harness_close(&h);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rotate_turns_about_a_line),
@@ -385,6 +480,12 @@ int main(void) {
         cmocka_unit_test(strings_written_out_are_joined),
         cmocka_unit_test(splines_are_what_their_names_say),
         cmocka_unit_test(splines_of_colors_and_points_go_by_component),
+        cmocka_unit_test(matrices_apply_to_row_vectors),
+        cmocka_unit_test(dividing_by_a_matrix_undoes_it),
+        cmocka_unit_test(determinants_and_cells),
+        cmocka_unit_test(translate_rotate_and_scale_come_before_what_is_there),
+        cmocka_unit_test(normals_stay_normal_to_surfaces),
+        cmocka_unit_test(matrices_of_spaces_are_those_of_points),
         cmocka_unit_test(cell_noise_is_one_value_for_each_cell),
         cmocka_unit_test(noise_in_four_dimensions_is_smooth_and_centred),
         cmocka_unit_test(periodic_noise_repeats),
