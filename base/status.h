@@ -7,9 +7,10 @@
 
 /* The one way a function of this project says that it failed, and why.
  *
- * A function that can fail returns bool and takes a `struct status *` as its last argument. On failure it
- * returns false with code and message set; on success it returns true and leaves the status alone. Library
- * code neither prints nor exits: whoever owns the terminal shows `message`. */
+ * A function that can fail returns bool and takes a `struct status *` as its last argument. On
+ * failure it returns false with code and message set; on success it returns true and leaves the
+ * status alone. Library code neither prints nor exits: whoever owns the terminal shows `message`.
+ */
 
 enum status_code {
     STATUS_OK = 0,
@@ -24,11 +25,12 @@ enum status_code {
 
 struct status {
     enum status_code code;
-    char message[2048]; /* one or more lines, no final newline; may hold a source line with a caret */
+    char message[2048]; /* one or more lines, no final newline; may hold a source line with a caret
+                         */
 };
 
-/* Sets code and a printf-style message; returns false so that a caller can `return status_fail(...)`. A
- * NULL status is accepted (the caller does not want the message). */
+/* Sets code and a printf-style message; returns false so that a caller can `return
+ * status_fail(...)`. A NULL status is accepted (the caller does not want the message). */
 bool status_fail(struct status *status, enum status_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -36,16 +38,18 @@ bool status_fail(struct status *status, enum status_code code, const char *forma
 bool status_prefix(struct status *status, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* The exit status of a program that ends with this code: 0 for OK, 1 for bad input, 2 for everything that
- * went wrong around it, 3 when the cause is another node (so that a supervisor looks there first). */
+/* The exit status of a program that ends with this code: 0 for OK, 1 for bad input, 2 for
+ * everything that went wrong around it, 3 when the cause is another node (so that a supervisor
+ * looks there first). */
 int status_exit_code(enum status_code code);
 
-/* Out of memory is a failed status for sizes that input controls (`memory_try`), and an abort with a message
- * for small fixed sizes (`memory_get`): there is nothing sensible left to do. Both give zeroed memory,
- * released by free(). */
+/* Out of memory is a failed status for sizes that input controls (`memory_try`), and an abort with
+ * a message for small fixed sizes (`memory_get`): there is nothing sensible left to do. Both give
+ * zeroed memory, released by free(). */
 void *memory_get(size_t count, size_t size);
 void *memory_try(size_t count, size_t size, struct status *status);
-/* Grows an array to hold at least `needed` items of `size` bytes, doubling; the new part is not cleared. */
+/* Grows an array to hold at least `needed` items of `size` bytes, doubling; the new part is not
+ * cleared. */
 void *memory_grow(void *items, size_t *capacity, size_t needed, size_t size);
 char *memory_copy_string(const char *text);
 

@@ -18,9 +18,10 @@ bool tick_rate_include(struct tick_rate *rate, uint64_t numerator, uint64_t deno
     uint64_t missing = reduced / greatest_common_divisor(rate->per_s, reduced);
     unsigned __int128 raised = (unsigned __int128)rate->per_s * missing;
     if (raised > TICK_RATE_MAX)
-        return status_fail(status, STATUS_LIMIT,
-                           "no common tick for these rates: more than 10^18 ticks a second would be "
-                           "needed; choose rates with more factors in common");
+        return status_fail(
+            status, STATUS_LIMIT,
+            "no common tick for these rates: more than 10^18 ticks a second would be "
+            "needed; choose rates with more factors in common");
     rate->per_s = (uint64_t)raised;
     return true;
 }

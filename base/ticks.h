@@ -7,9 +7,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Simulated time: an integer count of ticks. The tick rate is the least common multiple of the denominators
- * of every duration in a machine description, so that each of them is a whole number of ticks and sums are
- * exact (contract C2). For the PixelFlow description one tick is its 5 ns clock. */
+/* Simulated time: an integer count of ticks. The tick rate is the least common multiple of the
+ * denominators of every duration in a machine description, so that each of them is a whole number
+ * of ticks and sums are exact (contract C2). For the PixelFlow description one tick is its 5 ns
+ * clock. */
 typedef int64_t ticks;
 
 #define TICKS_MAX INT64_MAX

@@ -5,13 +5,14 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* What a node did lately: a ring of short lines, cheap to write, shown when a person asks (-v prints as they
- * come; SIGUSR1 or a failure prints the last ones). Nothing that a result depends on reads it. */
+/* What a node did lately: a ring of short lines, cheap to write, shown when a person asks (-v
+ * prints as they come; SIGUSR1 or a failure prints the last ones). Nothing that a result depends on
+ * reads it. */
 enum { TRACE_LINES = 64, TRACE_LINE_BYTES = 160 };
 
 struct trace {
-    char name[32];   /* of the node, begins each printed line */
-    FILE *live;      /* where lines go as they come; NULL: only the ring */
+    char name[32]; /* of the node, begins each printed line */
+    FILE *live;    /* where lines go as they come; NULL: only the ring */
     unsigned long count;
     char lines[TRACE_LINES][TRACE_LINE_BYTES];
 };

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-/* Geometry on the host side, in double. Points are row vectors as in RIB: p' = p M, so that M = A B applies
- * A first; m[3] holds the translation. */
+/* Geometry on the host side, in double. Points are row vectors as in RIB: p' = p M, so that M = A B
+ * applies A first; m[3] holds the translation. */
 struct vec3 {
     double x, y, z;
 };
@@ -46,7 +46,8 @@ bool mat4_invert(const struct mat4 *matrix, struct mat4 *inverse);
 double mat4_determinant3(const struct mat4 *matrix);
 struct vec3 mat4_point(const struct mat4 *matrix, struct vec3 p); /* divides by w when w is not 1 */
 struct vec3 mat4_vector(const struct mat4 *matrix, struct vec3 v);
-/* Normals go by the inverse transpose; `inverse` is the inverse of the matrix that moves the points. */
+/* Normals go by the inverse transpose; `inverse` is the inverse of the matrix that moves the
+ * points. */
 struct vec3 mat4_normal(const struct mat4 *inverse, struct vec3 n);
 
 #endif

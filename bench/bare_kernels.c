@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The work of a frame without the cluster around it, in one loop each and one thread: Embree rays, shading functions,
- * the select of composition. What a cluster needs beyond their sum is its overhead.
+/* The work of a frame without the cluster around it, in one loop each and one thread: Embree rays,
+ * shading functions, the select of composition. What a cluster needs beyond their sum is its
+ * overhead.
  *
  * usage: bare_kernels SCENE.rib [ROUNDS] */
 #include "images/image.h"
@@ -37,8 +38,10 @@ static void record(void *context, struct node_address from, const struct node_ou
     if (!is_wanted)
         return;
     const size_t count = recording->count + 1;
-    recording->messages = memory_grow(recording->messages, &recording->message_capacity, count, sizeof(void *));
-    recording->headers = memory_grow(recording->headers, &recording->header_capacity, count, sizeof header);
+    recording->messages =
+        memory_grow(recording->messages, &recording->message_capacity, count, sizeof(void *));
+    recording->headers =
+        memory_grow(recording->headers, &recording->header_capacity, count, sizeof header);
     recording->messages[recording->count] = message_hold(output->message);
     recording->headers[recording->count++] = header;
 }
@@ -54,16 +57,23 @@ static int die(const struct status *status) {
     exit(1);
 }
 
-static void record_frame(const char *scene, struct machine *machine, struct local_services *services,
-                         struct trace *trace, struct recording *recording) {
+static void record_frame(const char *scene, struct machine *machine,
+                         struct local_services *services, struct trace *trace,
+                         struct recording *recording) {
     static const char *const folders[] = {SHADERS};
     struct status status = {0};
     struct node *nodes[4];
     struct visibility_device *device = NULL;
     if (!machine_read_file(MACHINES "/pixelflow.json", machine, &status))
         die(&status);
-    const struct host_options options = {.scene = scene, .rendering_nodes = 1, .shading_nodes = 1, .machine = *machine,
-                                         .shader_folders = folders, .shader_folder_count = 1, .frames = 1, .seed = 1};
+    const struct host_options options = {.scene = scene,
+                                         .rendering_nodes = 1,
+                                         .shading_nodes = 1,
+                                         .machine = *machine,
+                                         .shader_folders = folders,
+                                         .shader_folder_count = 1,
+                                         .frames = 1,
+                                         .seed = 1};
     const struct node_services *interface = local_services_interface(services);
     const struct driver_options driver = {.tap = record, .tap_context = recording};
     if (!visibility_device_create(&device, &status) ||
@@ -78,7 +88,8 @@ static void record_frame(const char *scene, struct machine *machine, struct loca
     visibility_device_destroy(device);
 }
 
-/* One Embree scene of all triangles, no filter, and all rays of the picture in coherent packets of 16. */
+/* One Embree scene of all triangles, no filter, and all rays of the picture in coherent packets
+ * of 16. */
 static double time_rays(const struct recording *recording, const struct frame_payload *frame,
                         const struct region_grid *grid, int rounds) {
     RTCDevice device = rtcNewDevice("threads=1");
@@ -86,11 +97,14 @@ static double time_rays(const struct recording *recording, const struct frame_pa
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     for (size_t i = 0; i < recording->count; i++) {
         struct chunk_payload chunk;
-        if (recording->headers[i].kind != WIRE_CHUNK || !chunk_payload_decode(recording->messages[i], &chunk, NULL))
+        if (recording->headers[i].kind != WIRE_CHUNK ||
+            !chunk_payload_decode(recording->messages[i], &chunk, NULL))
             continue;
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        float *v = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, chunk.vertex_count);
-        uint32_t *t = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, chunk.triangle_count);
+        float *v = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                           12, chunk.vertex_count);
+        uint32_t *t = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              12, chunk.triangle_count);
         memcpy(v, chunk.positions, chunk.vertex_count * 12);
         for (uint32_t k = 0; k < chunk.triangle_count * 3; k++)
             t[k] = chunk.triangles[k];
@@ -154,8 +168,11 @@ static void gather_samples(struct gathered *to, const struct region_view *view, 
     region_grid_origin(&frame->grid, region, &x, &y);
     const float z = view->depth[sample];
     const float position[3] = {
-        region_grid_screen_x(&frame->grid, &frame->frame, x + location % frame->grid.region_width) * z,
-        region_grid_screen_y(&frame->grid, &frame->frame, y + location / frame->grid.region_width) * z, z};
+        region_grid_screen_x(&frame->grid, &frame->frame, x + location % frame->grid.region_width) *
+            z,
+        region_grid_screen_y(&frame->grid, &frame->frame, y + location / frame->grid.region_width) *
+            z,
+        z};
     for (size_t p = 0; p < materials; p++)
         to->planes[p][to->count] = view->slots[p * view->head.sample_count + sample];
     for (size_t c = 0; c < 3; c++)
@@ -165,7 +182,8 @@ static void gather_samples(struct gathered *to, const struct region_view *view, 
 
 static double shade_all(struct gathered *all, size_t count, int rounds) {
     enum { BATCH = 512 };
-    static float out[6][BATCH] __attribute__((aligned(64))), scratch[64 * 7 * 16] __attribute__((aligned(64)));
+    static float out[6][BATCH] __attribute__((aligned(64))),
+        scratch[64 * 7 * 16] __attribute__((aligned(64)));
     double best = INFINITY;
     for (int round = 0; round < rounds; round++) {
         const double begin = now_s();
@@ -173,14 +191,19 @@ static double shade_all(struct gathered *all, size_t count, int rounds) {
             const struct shader_module *module = all[i].instance ? all[i].instance->module : NULL;
             for (size_t at = 0; module && at + BATCH <= all[i].count; at += BATCH) {
                 const float *material[64];
-                struct shader_call call = {.count = BATCH, .material = material, .uniform = all[i].instance->uniform,
-                                           .matrices = all[i].instance->matrices, .lights = all[i].instance->lights,
-                                           .light_count = all[i].instance->light_count, .light_scratch = scratch,
+                struct shader_call call = {.count = BATCH,
+                                           .material = material,
+                                           .uniform = all[i].instance->uniform,
+                                           .matrices = all[i].instance->matrices,
+                                           .lights = all[i].instance->lights,
+                                           .light_count = all[i].instance->light_count,
+                                           .light_scratch = scratch,
                                            .counters = &all[i].instance->counts.counters};
                 for (int p = 0; p < module->material_count; p++)
                     material[p] = all[i].planes[p] + at;
                 for (int c = 0; c < 3; c++) {
-                    call.position[c] = call.incident[c] = all[i].planes[module->material_count + c] + at;
+                    call.position[c] = call.incident[c] =
+                        all[i].planes[module->material_count + c] + at;
                     call.color[c] = out[c];
                     call.opacity[c] = out[3 + c];
                 }
@@ -192,23 +215,26 @@ static double shade_all(struct gathered *all, size_t count, int rounds) {
     return best;
 }
 
-static double time_shading(const struct recording *recording, struct shading_frame *frame, struct shader_table *table,
-                           int rounds) {
+static double time_shading(const struct recording *recording, struct shading_frame *frame,
+                           struct shader_table *table, int rounds) {
     struct status status = {0};
     struct gathered *all = memory_get(frame->instance_count + 1, sizeof *all);
     const uint32_t samples = frame->grid.region_width * frame->grid.region_height;
     for (size_t i = 0; i < recording->count; i++) {
         struct region_view view;
         if (recording->headers[i].kind != WIRE_REGION ||
-            !region_open(recording->messages[i]->bytes, recording->messages[i]->length, samples, &view, &status))
+            !region_open(recording->messages[i]->bytes, recording->messages[i]->length, samples,
+                         &view, &status))
             continue;
         uint32_t at = 0;
         for (uint32_t r = 0; r < view.head.run_count; r++)
             for (uint32_t k = 0; k < view.runs[r].count; k++, at++) {
                 struct gathered *to = &all[view.shader[at]];
-                if (!to->instance && !shading_frame_instance(frame, table, view.shader[at], &to->instance, &status))
+                if (!to->instance &&
+                    !shading_frame_instance(frame, table, view.shader[at], &to->instance, &status))
                     die(&status);
-                gather_samples(to, &view, at, frame, recording->headers[i].region, view.runs[r].first + k);
+                gather_samples(to, &view, at, frame, recording->headers[i].region,
+                               view.runs[r].first + k);
             }
     }
     const double best = shade_all(all, frame->instance_count + 1, rounds);
@@ -266,7 +292,8 @@ int main(int argc, char **argv) {
             break;
         case WIRE_LIGHT:
         case WIRE_INSTANCE:
-            if (!shading_frame_add(&frame, recording.messages[i], recording.headers[i].kind, &status))
+            if (!shading_frame_add(&frame, recording.messages[i], recording.headers[i].kind,
+                                   &status))
                 die(&status);
             break;
         default:

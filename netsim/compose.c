@@ -4,12 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Composition in two steps: walk both lists of runs once into segments (only a, only b, both), then go through
- * plane after plane with straight copies and selects, which the compiler turns into vector code. */
+/* Composition in two steps: walk both lists of runs once into segments (only a, only b, both), then
+ * go through plane after plane with straight copies and selects, which the compiler turns into
+ * vector code. */
 
 struct segment {
-    uint32_t a, b;  /* index of the first entry in each side's planes */
-    uint32_t out;   /* index of the first entry in the result */
+    uint32_t a, b; /* index of the first entry in each side's planes */
+    uint32_t out;  /* index of the first entry in the result */
     uint32_t count;
     enum { ONLY_A, ONLY_B, BOTH } from;
 };
@@ -38,7 +39,8 @@ static void plan_add(struct plan *plan, uint32_t first, uint32_t count, int from
     plan->sample_count += count;
 }
 
-/* Each step ends at least one run of either side or a gap between them: at most 2 * (runs + runs) segments. */
+/* Each step ends at least one run of either side or a gap between them: at most 2 * (runs + runs)
+ * segments. */
 static struct plan plan_runs(const struct region_view *a, const struct region_view *b) {
     size_t most = 2 * ((size_t)a->head.run_count + b->head.run_count) + 1;
     struct plan plan = {.segments = malloc(most * sizeof *plan.segments),
@@ -76,11 +78,13 @@ static struct plan plan_runs(const struct region_view *a, const struct region_vi
     return plan;
 }
 
-/* mask[k] = all ones where b's sample is in front of a's. Depths are never NaN here (nodes refuse them). */
+/* mask[k] = all ones where b's sample is in front of a's. Depths are never NaN here (nodes refuse
+ * them). */
 static void select_nearer(const struct region_view *a, const struct region_view *b,
                           const struct segment *segment, uint32_t *restrict mask) {
     const float *depth_a = a->depth + segment->a, *depth_b = b->depth + segment->b;
-    const uint32_t *primitive_a = a->primitive + segment->a, *primitive_b = b->primitive + segment->b;
+    const uint32_t *primitive_a = a->primitive + segment->a,
+                   *primitive_b = b->primitive + segment->b;
     for (uint32_t k = 0; k < segment->count; k++) {
         uint32_t nearer = -(uint32_t)(depth_b[k] < depth_a[k]);
         uint32_t equal = -(uint32_t)(depth_b[k] == depth_a[k]);
@@ -89,14 +93,15 @@ static void select_nearer(const struct region_view *a, const struct region_view 
     }
 }
 
-static void blend_words(uint32_t *restrict out, const uint32_t *restrict a, const uint32_t *restrict b,
-                        const uint32_t *restrict mask, uint32_t count) {
+static void blend_words(uint32_t *restrict out, const uint32_t *restrict a,
+                        const uint32_t *restrict b, const uint32_t *restrict mask, uint32_t count) {
     for (uint32_t k = 0; k < count; k++)
         out[k] = (a[k] & ~mask[k]) | (b[k] & mask[k]);
 }
 
 static void blend_halfwords(uint16_t *restrict out, const uint16_t *restrict a,
-                            const uint16_t *restrict b, const uint32_t *restrict mask, uint32_t count) {
+                            const uint16_t *restrict b, const uint32_t *restrict mask,
+                            uint32_t count) {
     for (uint32_t k = 0; k < count; k++)
         out[k] = (uint16_t)((a[k] & ~mask[k]) | (b[k] & mask[k]));
 }
@@ -127,8 +132,8 @@ static void compose_shader_plane(const struct plan *plan, const uint32_t *mask, 
     }
 }
 
-struct message *region_compose(const struct region_view *a, const struct region_view *b, uint32_t frame,
-                               uint32_t region, uint32_t sender) {
+struct message *region_compose(const struct region_view *a, const struct region_view *b,
+                               uint32_t frame, uint32_t region, uint32_t sender) {
     struct plan plan = plan_runs(a, b);
     const uint32_t slots = a->head.slots > b->head.slots ? a->head.slots : b->head.slots;
     const uint32_t longest =
@@ -158,7 +163,8 @@ struct message *region_compose(const struct region_view *a, const struct region_
     for (uint32_t p = 0; p < slots; p++)
         compose_plane(&plan, mask, draft.slots + (size_t)p * plan.sample_count,
                       p < a->head.slots ? a->slots + (size_t)p * a->head.sample_count : NULL,
-                      p < b->head.slots ? b->slots + (size_t)p * b->head.sample_count : NULL, zeros);
+                      p < b->head.slots ? b->slots + (size_t)p * b->head.sample_count : NULL,
+                      zeros);
     free(mask);
     free(zeros);
     free(plan.segments);

@@ -109,24 +109,28 @@ static bool read_entry(const char *file, const cJSON *entry, int64_t values[MACH
                        bool found[MACHINE_VALUE_COUNT], struct status *status) {
     int index = parameter_index(entry->string);
     if (index < 0)
-        return status_fail(status, STATUS_INVALID,
-                           "%s: unknown parameter \"%s\"; `sortlast machine show` lists the known ones",
-                           file, entry->string);
+        return status_fail(
+            status, STATUS_INVALID,
+            "%s: unknown parameter \"%s\"; `sortlast machine show` lists the known ones", file,
+            entry->string);
     if (found[index])
-        return status_fail(status, STATUS_INVALID, "%s: \"%s\" is given twice", file, entry->string);
+        return status_fail(status, STATUS_INVALID, "%s: \"%s\" is given twice", file,
+                           entry->string);
     const cJSON *value = cJSON_GetObjectItemCaseSensitive(entry, "value");
     const cJSON *source = cJSON_GetObjectItemCaseSensitive(entry, "source");
-    /* Whole numbers below 2^53 are exact in the JSON reader's doubles; anything else is refused here. */
+    /* Whole numbers below 2^53 are exact in the JSON reader's doubles; anything else is refused
+     * here. */
     if (!cJSON_IsNumber(value) || value->valuedouble != floor(value->valuedouble) ||
         !(fabs(value->valuedouble) < 9007199254740992.0))
         return status_fail(status, STATUS_INVALID,
                            "%s: \"%s\" needs a \"value\" that is a whole number of %s", file,
                            entry->string, machine_parameter_at(index).unit);
     if (!cJSON_IsString(source))
-        return status_fail(status, STATUS_INVALID,
-                           "%s: \"%s\" needs a \"source\": where the number comes from (\"published: "
-                           "...\", \"derived: ...\" or \"ours: ...\")",
-                           file, entry->string);
+        return status_fail(
+            status, STATUS_INVALID,
+            "%s: \"%s\" needs a \"source\": where the number comes from (\"published: "
+            "...\", \"derived: ...\" or \"ours: ...\")",
+            file, entry->string);
     values[index] = (int64_t)value->valuedouble;
     found[index] = true;
     return true;
@@ -138,7 +142,8 @@ static bool read_document(const char *file, const cJSON *document, struct machin
     const cJSON *parameters = cJSON_GetObjectItemCaseSensitive(document, "parameters");
     if (!cJSON_IsString(name) || !cJSON_IsObject(parameters))
         return status_fail(status, STATUS_INVALID,
-                           "%s: a machine description has a \"name\" and an object \"parameters\"", file);
+                           "%s: a machine description has a \"name\" and an object \"parameters\"",
+                           file);
     int64_t values[MACHINE_VALUE_COUNT] = {0};
     bool found[MACHINE_VALUE_COUNT] = {false};
     const cJSON *entry;
@@ -148,15 +153,17 @@ static bool read_document(const char *file, const cJSON *document, struct machin
     }
     for (int i = 0; i < MACHINE_VALUE_COUNT; i++)
         if (!found[i])
-            return status_fail(status, STATUS_INVALID, "%s: parameter \"%s\" is missing (%s, in %s)",
-                               file, machine_parameter_at(i).name, machine_parameter_at(i).what,
+            return status_fail(status, STATUS_INVALID,
+                               "%s: parameter \"%s\" is missing (%s, in %s)", file,
+                               machine_parameter_at(i).name, machine_parameter_at(i).what,
                                machine_parameter_at(i).unit);
     if (!machine_from_values(name->valuestring, values, machine, status))
         return status_prefix(status, "%s", file);
     return true;
 }
 
-bool machine_parse(const char *file, const char *text, struct machine *machine, struct status *status) {
+bool machine_parse(const char *file, const char *text, struct machine *machine,
+                   struct status *status) {
     const char *end = NULL;
     cJSON *document = cJSON_ParseWithOpts(text, &end, 1);
     if (!document) {
@@ -165,7 +172,8 @@ bool machine_parse(const char *file, const char *text, struct machine *machine, 
             column = *at == '\n' ? 1 : column + 1;
             line += *at == '\n';
         }
-        return status_fail(status, STATUS_INVALID, "%s:%d:%d: error: not valid JSON", file, line, column);
+        return status_fail(status, STATUS_INVALID, "%s:%d:%d: error: not valid JSON", file, line,
+                           column);
     }
     bool ok = read_document(file, document, machine, status);
     cJSON_Delete(document);
@@ -185,8 +193,9 @@ bool machine_read_file(const char *path, struct machine *machine, struct status 
     if (ok)
         ok = machine_parse(path, text, machine, status);
     else
-        status_fail(status, STATUS_INVALID, "%s: cannot be read, or is longer than %d bytes (%zu read)",
-                    path, MACHINE_FILE_BYTES_MAX, length);
+        status_fail(status, STATUS_INVALID,
+                    "%s: cannot be read, or is longer than %d bytes (%zu read)", path,
+                    MACHINE_FILE_BYTES_MAX, length);
     free(text);
     return ok;
 }

@@ -9,7 +9,8 @@
 
 #include <stdint.h>
 
-/* A machine is data: rates, widths, latencies, memory sizes and the price of each SIMD operation. */
+/* A machine is data: rates, widths, latencies, memory sizes and the price of each SIMD operation.
+ */
 struct machine {
     char name[64];
 #define MACHINE_FIELD(field, unit, minimum, maximum, what) int64_t field;
@@ -48,19 +49,20 @@ int64_t machine_value(const struct machine *machine, int index);
 
 /* Reads and checks a description; every entry must be there. Errors name the file and the entry. */
 bool machine_read_file(const char *path, struct machine *machine, struct status *status);
-bool machine_parse(const char *file, const char *text, struct machine *machine, struct status *status);
+bool machine_parse(const char *file, const char *text, struct machine *machine,
+                   struct status *status);
 
 /* The flat form that goes over the wire. machine_from_values checks ranges and derives. */
 void machine_to_values(const struct machine *machine, int64_t values[MACHINE_VALUE_COUNT]);
 bool machine_from_values(const char *name, const int64_t values[MACHINE_VALUE_COUNT],
                          struct machine *machine, struct status *status);
 
-/* Prices the mathematical functions as their fast versions (PF table 3): what shaders compiled with fast math cost.
- * pow is log, multiply and exp. */
+/* Prices the mathematical functions as their fast versions (PF table 3): what shaders compiled with
+ * fast math cost. pow is log, multiply and exp. */
 bool machine_use_fast_math(struct machine *machine, struct status *status);
 
-/* Samples of a region, and composition words a sample takes with `map_floats` floats of parameters (the shader
- * ID comes on top; FACTS: 28 payload bytes of every 32). At least one word. */
+/* Samples of a region, and composition words a sample takes with `map_floats` floats of parameters
+ * (the shader ID comes on top; FACTS: 28 payload bytes of every 32). At least one word. */
 int64_t machine_region_samples(const struct machine *machine);
 int64_t machine_map_words(const struct machine *machine, int64_t map_floats);
 

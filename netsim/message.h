@@ -6,8 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A message in memory: bytes with a count of holders, so that a broadcast, a forwarded region or a region kept
- * until its frame is complete costs no copy. Bytes are at least 8-byte aligned and do not change once shared. */
+/* A message in memory: bytes with a count of holders, so that a broadcast, a forwarded region or a
+ * region kept until its frame is complete costs no copy. Bytes are at least 8-byte aligned and do
+ * not change once shared. */
 struct message {
     atomic_int holders;
     size_t length;

@@ -27,7 +27,8 @@ bool region_open(const uint8_t *message_bytes, size_t length, uint32_t region_sa
     view->depth = wire_get_array(&reader, head->sample_count, sizeof *view->depth);
     view->primitive = wire_get_array(&reader, head->sample_count, sizeof *view->primitive);
     view->shader = wire_get(&reader, shader_plane_bytes(head->sample_count));
-    view->slots = wire_get_array(&reader, (uint64_t)head->slots * head->sample_count, sizeof(float));
+    view->slots =
+        wire_get_array(&reader, (uint64_t)head->slots * head->sample_count, sizeof(float));
     if (!wire_reader_done(&reader, "region", status))
         return false;
     uint64_t next = 0, total = 0;
@@ -38,7 +39,8 @@ bool region_open(const uint8_t *message_bytes, size_t length, uint32_t region_sa
         total += view->runs[i].count;
     }
     if (next > region_samples || total != head->sample_count)
-        return status_fail(status, STATUS_INVALID, "damaged region message: runs outside the region");
+        return status_fail(status, STATUS_INVALID,
+                           "damaged region message: runs outside the region");
     return true;
 }
 
@@ -73,7 +75,8 @@ struct region_draft region_draft_create(struct region_head head) {
     return draft;
 }
 
-struct message *region_seal(struct region_draft *draft, uint32_t frame, uint32_t region, uint32_t sender) {
+struct message *region_seal(struct region_draft *draft, uint32_t frame, uint32_t region,
+                            uint32_t sender) {
     struct message *message = draft->message;
     wire_seal(message, (struct wire_header){.kind = WIRE_REGION,
                                             .frame = frame,

@@ -6,12 +6,12 @@
 
 #include <stdint.h>
 
-/* The samples of one region on their way down the composition chain: runs of covered samples, and one plane
- * per quantity with an entry for each covered sample (structure of arrays), so that composition is a streaming
- * select and an empty region is a header.
+/* The samples of one region on their way down the composition chain: runs of covered samples, and
+ * one plane per quantity with an entry for each covered sample (structure of arrays), so that
+ * composition is a streaming select and an empty region is a header.
  *
- * Payload: struct region_head, raster work entries, runs, then the planes depth (float), primitive (uint32),
- * shader (uint16, padded to 4 bytes), and `slots` planes of parameters (float). */
+ * Payload: struct region_head, raster work entries, runs, then the planes depth (float), primitive
+ * (uint32), shader (uint16, padded to 4 bytes), and `slots` planes of parameters (float). */
 
 struct region_run {
     uint32_t first, count; /* sample index = row * region width + column */
@@ -25,10 +25,10 @@ struct region_work {
 
 struct region_head {
     uint32_t run_count, sample_count;
-    uint32_t slots;        /* parameter planes: the longest map among the samples here, in floats */
-    uint32_t longest_map;  /* the longest map, in floats, among the candidates any node offered */
+    uint32_t slots;       /* parameter planes: the longest map among the samples here, in floats */
+    uint32_t longest_map; /* the longest map, in floats, among the candidates any node offered */
     uint32_t work_count;
-    uint32_t nan_depths;   /* samples refused because their depth was not a number */
+    uint32_t nan_depths; /* samples refused because their depth was not a number */
 };
 
 /* A region message taken apart; points into the message. */
@@ -42,16 +42,17 @@ struct region_view {
     const float *slots; /* plane p at slots + p * sample_count */
 };
 
-/* Checks everything a consumer relies on: runs ascending and inside `region_samples`, counts, finite work.
- * Fails on any damage. */
+/* Checks everything a consumer relies on: runs ascending and inside `region_samples`, counts,
+ * finite work. Fails on any damage. */
 bool region_open(const uint8_t *message_bytes, size_t length, uint32_t region_samples,
                  struct region_view *view, struct status *status);
 
-/* The number of samples of a message that is only passed on, without a look at the rest; 0 for one too short. */
+/* The number of samples of a message that is only passed on, without a look at the rest; 0 for one
+ * too short. */
 uint32_t region_sample_count(const uint8_t *message_bytes, size_t length);
 
-/* A region message being made: exact size known beforehand. The arrays are filled by the caller through the
- * non-const twins of region_view, then region_seal. */
+/* A region message being made: exact size known beforehand. The arrays are filled by the caller
+ * through the non-const twins of region_view, then region_seal. */
 struct region_draft {
     struct message *message;
     struct region_head head;
@@ -65,12 +66,13 @@ struct region_draft {
 
 struct region_draft region_draft_create(struct region_head head);
 /* Hands over the finished message. */
-struct message *region_seal(struct region_draft *draft, uint32_t frame, uint32_t region, uint32_t sender);
+struct message *region_seal(struct region_draft *draft, uint32_t frame, uint32_t region,
+                            uint32_t sender);
 
-/* Image composition (PF section 5.1): for each sample the nearer of the two; at equal depth the lower primitive
- * number (contract C1). Work entries are joined, the longest map is the longer one. Order of the arguments
- * does not matter, and composition is associative. */
-struct message *region_compose(const struct region_view *a, const struct region_view *b, uint32_t frame,
-                               uint32_t region, uint32_t sender);
+/* Image composition (PF section 5.1): for each sample the nearer of the two; at equal depth the
+ * lower primitive number (contract C1). Work entries are joined, the longest map is the longer one.
+ * Order of the arguments does not matter, and composition is associative. */
+struct message *region_compose(const struct region_view *a, const struct region_view *b,
+                               uint32_t frame, uint32_t region, uint32_t sender);
 
 #endif

@@ -4,24 +4,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Symbols as in docs/timing.md. n counts regions through all frames, i rendering nodes, j shading nodes. */
+/* Symbols as in docs/timing.md. n counts regions through all frames, i rendering nodes, j shading
+ * nodes. */
 struct timing_model {
     struct machine machine;
     uint32_t rendering_nodes, shading_nodes;
     uint32_t buffers; /* region buffers of a node */
 
     uint32_t frame;
-    ticks geometry_end;       /* of the frame before */
-    ticks *frame_released;    /* ring of geometry_frame_buffers: when a frame's primitives are all rastered */
-    ticks link_free;          /* first composition link, at its sender's end */
-    ticks colour_end;         /* of the last colours into the framebuffer */
-    ticks frame_end;          /* of the frame before */
-    ticks *raster_end;        /* [i] of the last region with work */
-    ticks *raster_buffer;     /* [i][buffers]: when the transfer out of that buffer ended */
-    uint32_t *raster_next;    /* [i] next buffer */
-    ticks *shading_end;       /* [j] */
-    ticks *shading_buffer;    /* [j][buffers]: when the colours of the region in that buffer had left */
-    uint32_t *shading_next;   /* [j] */
+    ticks geometry_end;    /* of the frame before */
+    ticks *frame_released; /* ring of geometry_frame_buffers: when a frame's primitives are all
+                              rastered */
+    ticks link_free;       /* first composition link, at its sender's end */
+    ticks colour_end;      /* of the last colours into the framebuffer */
+    ticks frame_end;       /* of the frame before */
+    ticks *raster_end;     /* [i] of the last region with work */
+    ticks *raster_buffer;  /* [i][buffers]: when the transfer out of that buffer ended */
+    uint32_t *raster_next; /* [i] next buffer */
+    ticks *shading_end;    /* [j] */
+    ticks
+        *shading_buffer; /* [j][buffers]: when the colours of the region in that buffer had left */
+    uint32_t *shading_next;            /* [j] */
     ticks *raster_busy, *shading_busy; /* of the current frame */
 };
 
@@ -68,8 +71,8 @@ void timing_model_destroy(struct timing_model *model) {
     free(model);
 }
 
-/* Raster of one region on every node that has work in it; returns the earliest time at which the first node may
- * begin to send, so that each node is ready when the transfer reaches it. */
+/* Raster of one region on every node that has work in it; returns the earliest time at which the
+ * first node may begin to send, so that each node is ready when the transfer reaches it. */
 static ticks raster_region(struct timing_model *model, const struct timing_region *region,
                            ticks geometry_end) {
     const struct machine *machine = &model->machine;
@@ -83,7 +86,8 @@ static ticks raster_region(struct timing_model *model, const struct timing_regio
         model->raster_end[i] = ticks_add(begin, cost);
         model->raster_busy[i] = ticks_add(model->raster_busy[i], cost);
         /* the transfer passes node i after i hops */
-        ready = ticks_max(ready, model->raster_end[i] - ticks_multiply(machine->composition_hop, i));
+        ready =
+            ticks_max(ready, model->raster_end[i] - ticks_multiply(machine->composition_hop, i));
     }
     return ready;
 }
@@ -106,8 +110,9 @@ static void add_region(struct timing_model *model, const struct timing_region *r
     const ticks chain = ticks_multiply(hop, (int64_t)model->rendering_nodes + j);
     const int64_t samples = machine_region_samples(machine);
     const bool is_token = region->words == 0;
-    const ticks transfer = is_token ? machine->composition_word
-                                    : ticks_multiply(machine->composition_word, samples * region->words);
+    const ticks transfer = is_token
+                               ? machine->composition_word
+                               : ticks_multiply(machine->composition_word, samples * region->words);
     ticks *buffer = &model->shading_buffer[j * model->buffers + model->shading_next[j]];
 
     ticks begin = ticks_max(raster_region(model, region, geometry_end), model->link_free);
@@ -127,9 +132,11 @@ static void add_region(struct timing_model *model, const struct timing_region *r
     ticks shaded = ticks_add(ticks_max(arrived, model->shading_end[j]), region->shading);
     model->shading_end[j] = shaded;
     model->shading_busy[j] = ticks_add(model->shading_busy[j], region->shading);
-    /* colours of successive regions enter the framebuffer one after the other, in order of regions */
+    /* colours of successive regions enter the framebuffer one after the other, in order of regions
+     */
     const ticks way = ticks_multiply(hop, (int64_t)model->shading_nodes - j);
-    const ticks colours = ticks_multiply(machine->composition_word, samples * machine->colour_words);
+    const ticks colours =
+        ticks_multiply(machine->composition_word, samples * machine->colour_words);
     model->colour_end = ticks_add(ticks_max(ticks_add(shaded, way), model->colour_end), colours);
     result->framebuffer_busy = ticks_add(result->framebuffer_busy, colours);
     *buffer = model->colour_end - way;

@@ -7,20 +7,20 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The timing model: a max-plus recurrence over regions and frames that turns the costs of a frame into start
- * and end of everything that happened, exactly (docs/timing.md states the equations). Pure: the same costs give
- * the same times however they were obtained. */
+/* The timing model: a max-plus recurrence over regions and frames that turns the costs of a frame
+ * into start and end of everything that happened, exactly (docs/timing.md states the equations).
+ * Pure: the same costs give the same times however they were obtained. */
 
 struct timing_work {
-    uint32_t node;  /* rendering node */
+    uint32_t node; /* rendering node */
     uint32_t triangles;
 };
 
 struct timing_region {
-    /* Whole words a sample of this region takes on the composition network: the longest map among the
-     * candidates; 0 when no node offered a candidate, and the region is a token of one word. */
+    /* Whole words a sample of this region takes on the composition network: the longest map among
+     * the candidates; 0 when no node offered a candidate, and the region is a token of one word. */
     uint32_t words;
-    ticks shading; /* on its shading node; 0 for a token */
+    ticks shading;                  /* on its shading node; 0 for a token */
     const struct timing_work *work; /* raster work, at most one entry for each rendering node */
     uint32_t work_count;
 };
@@ -33,11 +33,11 @@ struct timing_frame {
 
 /* Which resource was busy longest in a frame; ties go to the first listed.
  * X(NAME, name in reports) */
-#define TIMING_RESOURCES(X)                                                                                  \
-    X(COMPOSITION, "composition")                                                                            \
-    X(GEOMETRY, "geometry")                                                                                  \
-    X(RASTER, "raster")                                                                                      \
-    X(SHADING, "shading")                                                                                    \
+#define TIMING_RESOURCES(X)                                                                        \
+    X(COMPOSITION, "composition")                                                                  \
+    X(GEOMETRY, "geometry")                                                                        \
+    X(RASTER, "raster")                                                                            \
+    X(SHADING, "shading")                                                                          \
     X(FRAMEBUFFER, "framebuffer")
 enum timing_resource {
 #define TIMING_RESOURCE_ENUM(name, text) TIMING_##name,
@@ -50,8 +50,10 @@ const char *timing_resource_name(enum timing_resource resource);
 struct timing_result {
     ticks start; /* the frame's first byte enters the geometry network */
     ticks end;   /* its last colour is in the framebuffer */
-    ticks time;  /* end minus the end of the frame before (minus 0 for the first): what a viewer waits */
-    ticks composition_busy; /* one link of the composition network; latency of hops is not occupancy */
+    ticks time;  /* end minus the end of the frame before (minus 0 for the first): what a viewer
+                    waits */
+    ticks composition_busy; /* one link of the composition network; latency of hops is not occupancy
+                             */
     ticks geometry_busy;
     ticks framebuffer_busy; /* colours arriving */
     enum timing_resource bound_by;

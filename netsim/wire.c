@@ -66,29 +66,33 @@ void wire_seal(struct message *message, struct wire_header header) {
     memcpy(bytes + AT_HEADER_CHECKSUM, &checksum, 8);
 }
 
-/* Regions pass through nodes that have nothing to add without being looked at; who takes them apart checks. */
+/* Regions pass through nodes that have nothing to add without being looked at; who takes them apart
+ * checks. */
 static bool is_checked_by_consumer(enum wire_kind kind) {
     return kind == WIRE_REGION || kind == WIRE_COLOUR;
 }
 
-bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header, struct status *status) {
+bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header,
+               struct status *status) {
     uint32_t magic, cause;
     uint16_t version, kind;
     uint64_t checksum;
     if (length < WIRE_HEADER_BYTES)
-        return status_fail(status, STATUS_INVALID, "wire message of %zu bytes: shorter than a header",
-                           length);
+        return status_fail(status, STATUS_INVALID,
+                           "wire message of %zu bytes: shorter than a header", length);
     memcpy(&magic, bytes + AT_MAGIC, 4);
     memcpy(&version, bytes + AT_VERSION, 2);
     memcpy(&kind, bytes + AT_KIND, 2);
     if (magic != WIRE_MAGIC)
-        return status_fail(status, STATUS_INVALID, "wire message does not begin with our mark: another "
-                                                   "program is talking to this address");
-    if (version != WIRE_VERSION)
         return status_fail(status, STATUS_INVALID,
-                           "wire message of version %u, this program speaks %d: use node programs of "
-                           "one build",
-                           version, WIRE_VERSION);
+                           "wire message does not begin with our mark: another "
+                           "program is talking to this address");
+    if (version != WIRE_VERSION)
+        return status_fail(
+            status, STATUS_INVALID,
+            "wire message of version %u, this program speaks %d: use node programs of "
+            "one build",
+            version, WIRE_VERSION);
     if (kind >= WIRE_KIND_COUNT)
         return status_fail(status, STATUS_INVALID, "wire message of unknown kind %u", kind);
     *header = (struct wire_header){.kind = (enum wire_kind)kind};
@@ -104,7 +108,8 @@ bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header, 
                            wire_kind_name(header->kind));
     header->cause = (enum wire_cause)cause;
     if (checksum != header_checksum(bytes))
-        return status_fail(status, STATUS_INVALID, "wire message (%s): checksum of the header differs",
+        return status_fail(status, STATUS_INVALID,
+                           "wire message (%s): checksum of the header differs",
                            wire_kind_name(header->kind));
     return is_checked_by_consumer(header->kind) || wire_verify_payload(bytes, length, status);
 }
@@ -159,8 +164,8 @@ struct message *wire_finish(struct wire_writer *writer, struct wire_header heade
 }
 
 struct wire_reader wire_payload(const uint8_t *message_bytes, size_t message_length) {
-    return (struct wire_reader){message_bytes + WIRE_HEADER_BYTES, message_length - WIRE_HEADER_BYTES, 0,
-                                false};
+    return (struct wire_reader){message_bytes + WIRE_HEADER_BYTES,
+                                message_length - WIRE_HEADER_BYTES, 0, false};
 }
 
 const void *wire_get(struct wire_reader *reader, size_t length) {
@@ -181,13 +186,13 @@ const void *wire_get_array(struct wire_reader *reader, uint64_t count, size_t si
     return wire_get(reader, (size_t)count * size);
 }
 
-#define WIRE_GET(name, type)                                                                                 \
-    type name(struct wire_reader *reader) {                                                                  \
-        type value = 0;                                                                                      \
-        const void *bytes = wire_get(reader, sizeof value);                                                  \
-        if (bytes)                                                                                           \
-            memcpy(&value, bytes, sizeof value);                                                             \
-        return value;                                                                                        \
+#define WIRE_GET(name, type)                                                                       \
+    type name(struct wire_reader *reader) {                                                        \
+        type value = 0;                                                                            \
+        const void *bytes = wire_get(reader, sizeof value);                                        \
+        if (bytes)                                                                                 \
+            memcpy(&value, bytes, sizeof value);                                                   \
+        return value;                                                                              \
     }
 WIRE_GET(wire_get_u32, uint32_t)
 WIRE_GET(wire_get_u64, uint64_t)

@@ -8,35 +8,35 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The wire format. Every message is a fixed header of 64 bytes and a payload, little-endian. The header says
- * what the simulated network is charged for the message and why (contract C3): what a real PixelFlow would
- * have sent, which is not what our sockets carry. */
+/* The wire format. Every message is a fixed header of 64 bytes and a payload, little-endian. The
+ * header says what the simulated network is charged for the message and why (contract C3): what a
+ * real PixelFlow would have sent, which is not what our sockets carry. */
 
 #define WIRE_MAGIC 0x314c5053u /* "SPL1" */
 enum { WIRE_VERSION = 1, WIRE_HEADER_BYTES = 64 };
 
 /* X(NAME, name in messages to people, from, to) */
-#define WIRE_KINDS(X)                                                                                        \
-    X(HELLO, "hello", "any node", "host")                                                                    \
-    X(CONFIGURATION, "configuration", "host", "all")                                                         \
-    X(TOPOLOGY, "topology", "host", "all")                                                                   \
-    X(READY, "ready", "any node", "host")                                                                    \
-    X(SHADER, "shader", "host", "shading nodes")                                                             \
-    X(FRAME_BEGIN, "frame begin", "host", "all")                                                             \
-    X(INSTANCE, "shader instance", "host", "shading nodes")                                                  \
-    X(LIGHT, "light", "host", "shading nodes")                                                               \
-    X(CHUNK, "primitive chunk", "host", "one rendering node")                                                \
-    X(FRAME_END, "frame end", "host", "all")                                                                 \
-    X(REGION, "region", "rendering node", "next node of the chain")                                          \
-    X(EMPTY_REGIONS, "empty regions", "rendering node", "next node of the chain")                            \
-    X(COLOUR, "shaded region", "shading node", "framebuffer node")                                           \
-    X(PROGRESS, "progress", "framebuffer node", "host")                                                      \
-    X(FRAME_DONE, "frame done", "framebuffer node", "host")                                                  \
-    X(WARNING, "warning", "any node", "host")                                                                \
-    X(FAILURE, "failure", "any node", "host")                                                                \
-    X(QUIT, "quit", "host", "all")                                                                           \
-    X(GOODBYE, "goodbye", "framebuffer node", "host")                                                        \
-    X(PROBE, "probe", "host", "all")                                                                         \
+#define WIRE_KINDS(X)                                                                              \
+    X(HELLO, "hello", "any node", "host")                                                          \
+    X(CONFIGURATION, "configuration", "host", "all")                                               \
+    X(TOPOLOGY, "topology", "host", "all")                                                         \
+    X(READY, "ready", "any node", "host")                                                          \
+    X(SHADER, "shader", "host", "shading nodes")                                                   \
+    X(FRAME_BEGIN, "frame begin", "host", "all")                                                   \
+    X(INSTANCE, "shader instance", "host", "shading nodes")                                        \
+    X(LIGHT, "light", "host", "shading nodes")                                                     \
+    X(CHUNK, "primitive chunk", "host", "one rendering node")                                      \
+    X(FRAME_END, "frame end", "host", "all")                                                       \
+    X(REGION, "region", "rendering node", "next node of the chain")                                \
+    X(EMPTY_REGIONS, "empty regions", "rendering node", "next node of the chain")                  \
+    X(COLOUR, "shaded region", "shading node", "framebuffer node")                                 \
+    X(PROGRESS, "progress", "framebuffer node", "host")                                            \
+    X(FRAME_DONE, "frame done", "framebuffer node", "host")                                        \
+    X(WARNING, "warning", "any node", "host")                                                      \
+    X(FAILURE, "failure", "any node", "host")                                                      \
+    X(QUIT, "quit", "host", "all")                                                                 \
+    X(GOODBYE, "goodbye", "framebuffer node", "host")                                              \
+    X(PROBE, "probe", "host", "all")                                                               \
     X(SHARED, "shared memory", "any node", "another on the same machine")
 
 enum wire_kind {
@@ -47,7 +47,13 @@ enum wire_kind {
 };
 
 /* What a geometry message is charged to. */
-enum wire_cause { CAUSE_PRIMITIVES, CAUSE_BOUND_PARAMETERS, CAUSE_SHADERS, CAUSE_CONTROL, CAUSE_COUNT };
+enum wire_cause {
+    CAUSE_PRIMITIVES,
+    CAUSE_BOUND_PARAMETERS,
+    CAUSE_SHADERS,
+    CAUSE_CONTROL,
+    CAUSE_COUNT
+};
 
 struct wire_header {
     enum wire_kind kind;
@@ -61,11 +67,14 @@ struct wire_header {
 
 const char *wire_kind_name(enum wire_kind kind);
 
-/* Fills in header and checksum of a message whose payload (from byte WIRE_HEADER_BYTES) is complete. */
+/* Fills in header and checksum of a message whose payload (from byte WIRE_HEADER_BYTES) is
+ * complete. */
 void wire_seal(struct message *message, struct wire_header header);
-/* Checks magic, version, kind, length and checksums. The payload of REGION and COLOUR is left to whoever takes it
- * apart (region_open, colour_open call wire_verify_payload): most nodes only pass it on. */
-bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header, struct status *status);
+/* Checks magic, version, kind, length and checksums. The payload of REGION and COLOUR is left to
+ * whoever takes it apart (region_open, colour_open call wire_verify_payload): most nodes only pass
+ * it on. */
+bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header,
+               struct status *status);
 bool wire_verify_payload(const uint8_t *bytes, size_t length, struct status *status);
 
 /* Appends to a payload that grows. */
@@ -83,7 +92,8 @@ void wire_align(struct wire_writer *writer, size_t alignment);
 /* Makes the sealed message and empties the writer. */
 struct message *wire_finish(struct wire_writer *writer, struct wire_header header);
 
-/* Reads a payload; reading past the end gives zeros and sets `failed`, checked once by wire_reader_done. */
+/* Reads a payload; reading past the end gives zeros and sets `failed`, checked once by
+ * wire_reader_done. */
 struct wire_reader {
     const uint8_t *bytes;
     size_t length, at;

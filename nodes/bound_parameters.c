@@ -70,23 +70,25 @@ static bool fits(const struct shader_program *program, const struct shader_param
         char known[768];
         list_parameters(program, known, sizeof known);
         return status_fail(status, STATUS_INVALID,
-                           "%s:%d:%d: error: shader %s has no parameter \"%s\"; it has: %s", at.file, at.line,
-                           at.column, program->name, given->name, known[0] ? known : "none");
+                           "%s:%d:%d: error: shader %s has no parameter \"%s\"; it has: %s",
+                           at.file, at.line, at.column, program->name, given->name,
+                           known[0] ? known : "none");
     }
     if (!types_fit(parameter->type, shader_type_of(given->type)))
-        return status_fail(status, STATUS_INVALID,
-                           "%s:%d:%d: error: parameter \"%s\" of shader %s is a %s, the scene gives a %s",
-                           at.file, at.line, at.column, given->name, program->name,
-                           shader_type_name(parameter->type),
-                           shader_type_name(shader_type_of(given->type)));
+        return status_fail(
+            status, STATUS_INVALID,
+            "%s:%d:%d: error: parameter \"%s\" of shader %s is a %s, the scene gives a %s", at.file,
+            at.line, at.column, given->name, program->name, shader_type_name(parameter->type),
+            shader_type_name(shader_type_of(given->type)));
     if (parameter->array_length != given->array_length &&
         (parameter->array_length ? parameter->array_length : 1) !=
             (given->array_length ? given->array_length : 1))
-        return status_fail(status, STATUS_INVALID,
-                           "%s:%d:%d: error: parameter \"%s\" of shader %s has %d elements, the scene gives %d",
-                           at.file, at.line, at.column, given->name, program->name,
-                           parameter->array_length ? parameter->array_length : 1,
-                           given->array_length ? given->array_length : 1);
+        return status_fail(
+            status, STATUS_INVALID,
+            "%s:%d:%d: error: parameter \"%s\" of shader %s has %d elements, the scene gives %d",
+            at.file, at.line, at.column, given->name, program->name,
+            parameter->array_length ? parameter->array_length : 1,
+            given->array_length ? given->array_length : 1);
     return true;
 }
 
@@ -130,10 +132,10 @@ bool bound_parameters_fill(const struct shader_program *program, const struct bo
     }
     for (int i = 0; i < program->parameter_count; i++) {
         const struct shader_parameter *parameter = &program->parameters[i];
-        const float *value = !parameter->is_global               ? NULL
+        const float *value = !parameter->is_global            ? NULL
                              : !strcmp(parameter->name, "Cs") ? source->color
                              : !strcmp(parameter->name, "Os") ? source->opacity
-                                                                  : NULL;
+                                                              : NULL;
         if (!value || parameter->bound_offset < 0)
             continue;
         memcpy(bound + parameter->bound_offset, value, 3 * sizeof(float));

@@ -5,8 +5,8 @@
 #include "scenes/scene.h"
 #include "shaders/compiler/shader_compile.h"
 
-/* Where the bound values of an instance come from: the Surface or LightSource call, constant primitive variables
- * (which win), and the colour attributes. */
+/* Where the bound values of an instance come from: the Surface or LightSource call, constant
+ * primitive variables (which win), and the colour attributes. */
 struct bound_source {
     const struct scene_shader *shader; /* NULL: the default surface */
     const struct scene_parameter *constants;
@@ -15,8 +15,9 @@ struct bound_source {
     const float *color, *opacity; /* NULL for lights */
 };
 
-/* Fills `bound` and `given` (program->bound_count entries). Points, vectors and normals are brought to camera
- * space. A parameter the shader does not have, or of another type, is an error naming the place in the scene. */
+/* Fills `bound` and `given` (program->bound_count entries). Points, vectors and normals are brought
+ * to camera space. A parameter the shader does not have, or of another type, is an error naming the
+ * place in the scene. */
 bool bound_parameters_fill(const struct shader_program *program, const struct bound_source *source,
                            float *bound, uint8_t *given, struct status *status);
 

@@ -16,9 +16,9 @@ struct chunk_builder {
     const struct scene_mesh *mesh;
     struct component_source *components;
     uint32_t component_count;
-    uint32_t *local;   /* vertex of the mesh -> vertex of the chunk, valid when stamp matches */
-    uint32_t *stamp;   /* number of the chunk (plus 1) that last used the vertex */
-    float *positions;  /* CHUNK_VERTICES_MAX * 3 */
+    uint32_t *local;  /* vertex of the mesh -> vertex of the chunk, valid when stamp matches */
+    uint32_t *stamp;  /* number of the chunk (plus 1) that last used the vertex */
+    float *positions; /* CHUNK_VERTICES_MAX * 3 */
     float *material;
     uint16_t triangles[CHUNK_TRIANGLES_MAX * 3];
     struct chunk_payload chunk;
@@ -52,7 +52,8 @@ static void list_components(struct chunk_builder *builder, const struct shader_p
         for (int c = 0; c < parameter->components; c++) {
             struct component_source *source = &builder->components[parameter->map_offset + c];
             if (variable)
-                *source = (struct component_source){variable->values + c, (size_t)variable->components};
+                *source =
+                    (struct component_source){variable->values + c, (size_t)variable->components};
             else if (constant)
                 *source = (struct component_source){constant + c, 0};
         }
@@ -79,9 +80,10 @@ static uint16_t chunk_vertex(struct chunk_builder *builder, uint32_t vertex) {
     if (builder->stamp[vertex] != stamp) {
         builder->stamp[vertex] = stamp;
         builder->local[vertex] = chunk->vertex_count;
-        memcpy(builder->positions + chunk->vertex_count * 3, builder->mesh->positions + (size_t)vertex * 3,
-               3 * sizeof(float));
-        float *material = builder->material + (size_t)chunk->vertex_count * builder->component_count;
+        memcpy(builder->positions + chunk->vertex_count * 3,
+               builder->mesh->positions + (size_t)vertex * 3, 3 * sizeof(float));
+        float *material =
+            builder->material + (size_t)chunk->vertex_count * builder->component_count;
         for (uint32_t c = 0; c < builder->component_count; c++)
             material[c] = builder->components[c].values[vertex * builder->components[c].stride];
         chunk->vertex_count++;
@@ -92,8 +94,10 @@ static uint16_t chunk_vertex(struct chunk_builder *builder, uint32_t vertex) {
 /* Seen from the eye, does the outside (Ng of its first vertex) face away? */
 static bool faces_away(const struct scene_mesh *mesh, const struct scene_variable *outside,
                        const uint32_t *corner, bool is_perspective) {
-    const float *n = outside->values + (size_t)corner[0] * 3, *p = mesh->positions + (size_t)corner[0] * 3;
-    return is_perspective ? (double)n[0] * p[0] + (double)n[1] * p[1] + (double)n[2] * p[2] >= 0 : n[2] >= 0;
+    const float *n = outside->values + (size_t)corner[0] * 3,
+                *p = mesh->positions + (size_t)corner[0] * 3;
+    return is_perspective ? (double)n[0] * p[0] + (double)n[1] * p[1] + (double)n[2] * p[2] >= 0
+                          : n[2] >= 0;
 }
 
 static void cut_mesh(struct chunk_builder *builder, const struct shader_program *program,
@@ -104,8 +108,8 @@ static void cut_mesh(struct chunk_builder *builder, const struct shader_program 
     builder->chunk.material_count = builder->component_count;
     builder->local = memory_get(mesh->vertex_count, sizeof *builder->local);
     builder->stamp = memory_get(mesh->vertex_count, sizeof *builder->stamp);
-    builder->material =
-        memory_get((size_t)CHUNK_VERTICES_MAX * builder->component_count, sizeof *builder->material);
+    builder->material = memory_get((size_t)CHUNK_VERTICES_MAX * builder->component_count,
+                                   sizeof *builder->material);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *corner = mesh->triangles + (size_t)t * 3;
         if (outside && faces_away(mesh, outside, corner, is_perspective)) {
@@ -127,8 +131,9 @@ static void cut_mesh(struct chunk_builder *builder, const struct shader_program 
     free(builder->material);
 }
 
-bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan, uint32_t frame_index,
-                 struct message ***chunks, size_t *chunk_count, struct status *status) {
+bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
+                 uint32_t frame_index, struct message ***chunks, size_t *chunk_count,
+                 struct status *status) {
     struct chunk_builder *builder = memory_get(1, sizeof *builder);
     builder->frame_index = frame_index;
     builder->positions = memory_get(CHUNK_VERTICES_MAX * 3, sizeof(float));

@@ -24,7 +24,8 @@ struct in_process {
 
 static size_t node_index(const struct in_process *run, struct node_address address) {
     for (size_t i = 0; i < run->node_count; i++)
-        if (run->nodes[i]->address.role == address.role && run->nodes[i]->address.index == address.index)
+        if (run->nodes[i]->address.role == address.role &&
+            run->nodes[i]->address.index == address.index)
             return i;
     return run->node_count;
 }
@@ -33,7 +34,8 @@ static struct link *link_between(struct in_process *run, size_t from, size_t to)
     for (size_t i = 0; i < run->link_count; i++)
         if (run->links[i].from == from && run->links[i].to == to)
             return &run->links[i];
-    run->links = memory_grow(run->links, &run->link_capacity, run->link_count + 1, sizeof *run->links);
+    run->links =
+        memory_grow(run->links, &run->link_capacity, run->link_count + 1, sizeof *run->links);
     run->links[run->link_count] = (struct link){.from = from, .to = to};
     return &run->links[run->link_count++];
 }

@@ -14,8 +14,9 @@
 
 enum {
     POLL_MS = 100,
-    REGIONS_IN_FLIGHT = 8,  /* per link and side: enough to hide a wake-up, few enough to stay in cache */
-    START_DEADLINE_S = 20,  /* for the other nodes to say hello */
+    REGIONS_IN_FLIGHT =
+        8, /* per link and side: enough to hide a wake-up, few enough to stay in cache */
+    START_DEADLINE_S = 20, /* for the other nodes to say hello */
     ENDPOINT_BYTES = 256,
     LINGER_MS = 1000,
     HEARTBEAT_MS = 1000,
@@ -43,7 +44,7 @@ struct socket_driver {
     void *context, *control, *input, *monitor;
     struct peer *peers; /* every node but this one */
     size_t peer_count;
-    size_t blocked; /* messages waiting in queues */
+    size_t blocked;                /* messages waiting in queues */
     char bound[2][ENDPOINT_BYTES]; /* addresses this node listens at: control, input */
     bool is_started, is_probing;
     struct timespec last_news, probe_begin;
@@ -69,7 +70,8 @@ static void routing_name(struct node_address address, char name[24]) {
 
 static struct peer *find_peer(struct socket_driver *driver, struct node_address address) {
     for (size_t i = 0; i < driver->peer_count; i++)
-        if (driver->peers[i].address.role == address.role && driver->peers[i].address.index == address.index)
+        if (driver->peers[i].address.role == address.role &&
+            driver->peers[i].address.index == address.index)
             return &driver->peers[i];
     return NULL;
 }
@@ -82,7 +84,8 @@ static void add_peer(struct socket_driver *driver, struct node_address address) 
     routing_name(address, peer->routing);
 }
 
-static void add_all_peers(struct socket_driver *driver, uint32_t rendering_nodes, uint32_t shading_nodes) {
+static void add_all_peers(struct socket_driver *driver, uint32_t rendering_nodes,
+                          uint32_t shading_nodes) {
     driver->peers = memory_get((size_t)rendering_nodes + shading_nodes + 2, sizeof *driver->peers);
     add_peer(driver, (struct node_address){NODE_HOST, 0});
     for (uint32_t i = 0; i < rendering_nodes; i++)
@@ -108,8 +111,9 @@ static void set_option(void *socket, int option, int value) {
 }
 
 static bool open_input(struct socket_driver *driver, char *endpoint, struct status *status) {
-    const bool takes_regions = driver->node->address.role != NODE_HOST &&
-                               !(driver->node->address.role == NODE_RENDERING && !driver->node->address.index);
+    const bool takes_regions =
+        driver->node->address.role != NODE_HOST &&
+        !(driver->node->address.role == NODE_RENDERING && !driver->node->address.index);
     size_t size = ENDPOINT_BYTES;
     endpoint[0] = 0;
     if (!takes_regions)
@@ -166,14 +170,17 @@ static bool open_push(struct socket_driver *driver, struct peer *peer, struct st
     set_option(peer->push, ZMQ_SNDHWM, REGIONS_IN_FLIGHT);
     set_option(peer->push, ZMQ_LINGER, LINGER_MS);
     if (!peer->endpoint[0] || zmq_connect(peer->push, peer->endpoint))
-        return socket_failure("connect to", peer->endpoint[0] ? peer->endpoint : peer->routing, status);
+        return socket_failure("connect to", peer->endpoint[0] ? peer->endpoint : peer->routing,
+                              status);
     return true;
 }
 
-static bool lost_peer(const struct socket_driver *driver, const struct peer *peer, struct status *status) {
+static bool lost_peer(const struct socket_driver *driver, const struct peer *peer,
+                      struct status *status) {
     char name[NODE_NAME_BYTES];
-    return status_fail(status, STATUS_LOST, "%s was lost in frame %u, about region %u: its process ended",
-                       node_address_name(peer->address, name), driver->node->frame, driver->node->region);
+    return status_fail(
+        status, STATUS_LOST, "%s was lost in frame %u, about region %u: its process ended",
+        node_address_name(peer->address, name), driver->node->frame, driver->node->region);
 }
 
 /* 1 sent, 0 would block, -1 failed. Takes the hold when sent. */
@@ -214,7 +221,8 @@ static bool send_to(struct socket_driver *driver, struct peer *peer, struct mess
             return sent > 0;
     }
     if (peer->queue_first && peer->queue_first + peer->queue_count == peer->queue_capacity) {
-        memmove(peer->queue, peer->queue + peer->queue_first, peer->queue_count * sizeof *peer->queue);
+        memmove(peer->queue, peer->queue + peer->queue_first,
+                peer->queue_count * sizeof *peer->queue);
         peer->queue_first = 0;
     }
     peer->queue = memory_grow(peer->queue, &peer->queue_capacity,
@@ -240,7 +248,8 @@ static bool flush_queues(struct socket_driver *driver, struct status *status) {
     return true;
 }
 
-static bool step(struct socket_driver *driver, const struct node_event *event, struct status *status) {
+static bool step(struct socket_driver *driver, const struct node_event *event,
+                 struct status *status) {
     struct node_outputs outputs = {0};
     bool ok = node_step(driver->node, event, &outputs, status);
     for (size_t i = 0; i < outputs.count; i++) {
@@ -252,8 +261,10 @@ static bool step(struct socket_driver *driver, const struct node_event *event, s
     }
     free(outputs.items);
     if (driver->options->board) {
-        atomic_store_explicit(&driver->options->board->frame, driver->node->frame, memory_order_relaxed);
-        atomic_store_explicit(&driver->options->board->region, driver->node->region, memory_order_relaxed);
+        atomic_store_explicit(&driver->options->board->frame, driver->node->frame,
+                              memory_order_relaxed);
+        atomic_store_explicit(&driver->options->board->region, driver->node->region,
+                              memory_order_relaxed);
     }
     clock_gettime(CLOCK_MONOTONIC, &driver->last_news); /* own work is no silence */
     return ok;
@@ -294,7 +305,8 @@ static bool take_topology(struct socket_driver *driver, const struct message *me
         return false;
     driver->is_started = true;
     return send_to(driver, find_peer(driver, (struct node_address){NODE_HOST, 0}),
-                   signal_encode(WIRE_READY, 0, 0, node_address_pack(driver->node->address)), status) &&
+                   signal_encode(WIRE_READY, 0, 0, node_address_pack(driver->node->address)),
+                   status) &&
            step(driver, &(struct node_event){.kind = NODE_START}, status);
 }
 
@@ -313,7 +325,8 @@ static bool take_greeting(struct socket_driver *driver, const struct message *me
         if (!endpoint)
             return false;
         if (peer->is_known)
-            return status_fail(status, STATUS_INVALID, "there are two nodes that call themselves %s",
+            return status_fail(status, STATUS_INVALID,
+                               "there are two nodes that call themselves %s",
                                node_address_name(peer->address, name));
         snprintf(peer->endpoint, sizeof peer->endpoint, "%s", endpoint);
         peer->is_known = true;
@@ -334,7 +347,8 @@ static bool take_greeting(struct socket_driver *driver, const struct message *me
     return step(driver, &(struct node_event){.kind = NODE_START}, status);
 }
 
-static bool dispatch_shared(struct socket_driver *driver, const struct message *reference, struct status *status) {
+static bool dispatch_shared(struct socket_driver *driver, const struct message *reference,
+                            struct status *status) {
     struct node_event event = {.kind = NODE_MESSAGE};
     if (!shared_pool_receive(driver->options->pool, reference, &event.message, status))
         return false;
@@ -370,12 +384,13 @@ static bool dispatch(struct socket_driver *driver, struct message *message, stru
 }
 
 /* Takes all that waits at a socket, up to `most` messages. */
-static bool drain(struct socket_driver *driver, void *socket, bool is_router, size_t most, bool *any,
-                  struct status *status) {
+static bool drain(struct socket_driver *driver, void *socket, bool is_router, size_t most,
+                  bool *any, struct status *status) {
     char routing[64];
     struct message *message;
     for (size_t i = 0; i < most; i++) {
-        const int got = socket_message_receive(socket, is_router ? routing : NULL, sizeof routing, &message);
+        const int got =
+            socket_message_receive(socket, is_router ? routing : NULL, sizeof routing, &message);
         if (got < 0)
             return errno == EINTR || socket_failure("receive from", "a socket", status);
         if (!got)
@@ -389,7 +404,8 @@ static bool drain(struct socket_driver *driver, void *socket, bool is_router, si
     return true;
 }
 
-/* A connection broke. At a node it can only be the host's; the host finds out whose by sending to each. */
+/* A connection broke. At a node it can only be the host's; the host finds out whose by sending to
+ * each. */
 static bool take_disconnect(struct socket_driver *driver, struct status *status) {
     zmq_msg_t part;
     bool any = false;
@@ -407,8 +423,8 @@ static bool take_disconnect(struct socket_driver *driver, struct status *status)
     return true;
 }
 
-/* A node that gave up told why before it left: that is worth more than that it is gone. Listens for a moment; true when
- * the cluster had ended well after all. */
+/* A node that gave up told why before it left: that is worth more than that it is gone. Listens for
+ * a moment; true when the cluster had ended well after all. */
 static bool hear_last_words(struct socket_driver *driver, struct status *loss) {
     struct timespec begin;
     clock_gettime(CLOCK_MONOTONIC, &begin);
@@ -439,8 +455,8 @@ static bool probe_peers(struct socket_driver *driver, struct status *status) {
     struct message *probe = signal_encode(WIRE_PROBE, 0, 0, 0);
     bool ok = true;
     for (size_t i = 0; ok && i < driver->peer_count; i++)
-        if (driver->peers[i].is_known && (!driver->node->is_closing ||
-                                          driver->peers[i].address.role == NODE_FRAMEBUFFER))
+        if (driver->peers[i].is_known &&
+            (!driver->node->is_closing || driver->peers[i].address.role == NODE_FRAMEBUFFER))
             ok = send_to(driver, &driver->peers[i], message_hold(probe), status);
     message_release(probe);
     if (seconds_since(&driver->probe_begin) > 1)
@@ -456,12 +472,14 @@ static void describe(const struct socket_driver *driver, char *text, size_t size
         for (size_t i = 0; i < driver->peer_count; i++)
             known += driver->peers[i].is_known;
         for (size_t i = 0; i < driver->peer_count; i++)
-            if (known < driver->peer_count ? !driver->peers[i].is_known : !driver->peers[i].is_ready) {
+            if (known < driver->peer_count ? !driver->peers[i].is_known
+                                           : !driver->peers[i].is_ready) {
                 first = first ? first : &driver->peers[i];
                 missing++;
             }
-        snprintf(what, sizeof what, "waits for %zu of %zu nodes to join, the first of them %s", missing,
-                 driver->peer_count, first ? node_address_name(first->address, name) : "none");
+        snprintf(what, sizeof what, "waits for %zu of %zu nodes to join, the first of them %s",
+                 missing, driver->peer_count,
+                 first ? node_address_name(first->address, name) : "none");
     } else if (!driver->is_started) {
         snprintf(what, sizeof what, "waits for the host at %s to begin", driver->options->host);
     } else {
@@ -470,7 +488,8 @@ static void describe(const struct socket_driver *driver, char *text, size_t size
     snprintf(text, size, "%s %s", node_address_name(driver->node->address, name), what);
     if (driver->blocked) {
         const size_t used = strlen(text);
-        snprintf(text + used, size - used, "; %zu messages wait to be taken by other nodes", driver->blocked);
+        snprintf(text + used, size - used, "; %zu messages wait to be taken by other nodes",
+                 driver->blocked);
     }
 }
 
@@ -485,9 +504,11 @@ static void describe_on_request(struct socket_driver *driver) {
 }
 
 static bool check_deadline(struct socket_driver *driver, struct status *status) {
-    const int limit = driver->is_started || !is_host(driver) ? driver->options->deadline_s : START_DEADLINE_S;
+    const int limit =
+        driver->is_started || !is_host(driver) ? driver->options->deadline_s : START_DEADLINE_S;
     if (seconds_since(&driver->last_news) < limit || (!is_host(driver) && driver->is_started))
-        return true; /* a node that has begun trusts the host's judgement, and its own connection to it */
+        return true; /* a node that has begun trusts the host's judgement, and its own connection to
+                        it */
     char text[512];
     if (driver->options->supervisor) { /* all who still can say what they wait for */
         kill(driver->options->supervisor, SIGUSR1);
@@ -508,7 +529,8 @@ static void wait_for_events(struct socket_driver *driver, bool may_work) {
         items[count++] = (zmq_pollitem_t){.socket = driver->input, .events = ZMQ_POLLIN};
     for (size_t i = 0; driver->blocked && i < driver->peer_count; i++)
         if (driver->peers[i].queue_count && driver->peers[i].push)
-            items[count++] = (zmq_pollitem_t){.socket = driver->peers[i].push, .events = ZMQ_POLLOUT};
+            items[count++] =
+                (zmq_pollitem_t){.socket = driver->peers[i].push, .events = ZMQ_POLLOUT};
     zmq_poll(items, count, may_work ? 0 : driver->is_probing ? 20 : POLL_MS);
     free(items);
 }
@@ -519,7 +541,8 @@ static bool loop(struct socket_driver *driver, struct status *status) {
         if (*driver->options->stop)
             return false;
         describe_on_request(driver);
-        if (!flush_queues(driver, status) || !drain(driver, driver->control, is_host(driver), 64, &any, status))
+        if (!flush_queues(driver, status) ||
+            !drain(driver, driver->control, is_host(driver), 64, &any, status))
             return false;
         if (driver->input && !driver->blocked && !driver->node->has_work &&
             !drain(driver, driver->input, false, 1, &any, status))
@@ -577,19 +600,23 @@ static void close_driver(struct socket_driver *driver, int linger_ms) {
 
 /* Tells the host why this node gives up. */
 static void report_failure(struct socket_driver *driver, const struct status *status) {
-    if (is_host(driver) || !driver->control || status->code == STATUS_LOST || status->code == STATUS_OK)
+    if (is_host(driver) || !driver->control || status->code == STATUS_LOST ||
+        status->code == STATUS_OK)
         return;
-    struct message *message = text_encode(WIRE_FAILURE, status->message, status->code, driver->node->frame,
-                                          node_address_pack(driver->node->address));
+    struct message *message =
+        text_encode(WIRE_FAILURE, status->message, status->code, driver->node->frame,
+                    node_address_pack(driver->node->address));
     if (socket_message_send(driver->control, NULL, message) <= 0)
         message_release(message);
 }
 
-bool driver_sockets_run(struct node *node, const struct socket_options *options, struct status *status) {
+bool driver_sockets_run(struct node *node, const struct socket_options *options,
+                        struct status *status) {
     struct socket_driver driver = {.node = node, .options = options};
     char endpoint[ENDPOINT_BYTES];
     driver.context = zmq_ctx_new();
-    zmq_ctx_set(driver.context, ZMQ_MAX_SOCKETS, (int)(options->rendering_nodes + options->shading_nodes) + 4096);
+    zmq_ctx_set(driver.context, ZMQ_MAX_SOCKETS,
+                (int)(options->rendering_nodes + options->shading_nodes) + 4096);
     clock_gettime(CLOCK_MONOTONIC, &driver.last_news);
     status->code = STATUS_OK;
     if (is_host(&driver))

@@ -11,7 +11,8 @@ static size_t slot_of(const struct execution_counts *counts, uint32_t block, uin
     return (size_t)(hash >> 20) & (counts->capacity - 1);
 }
 
-static struct trip_entry *find_entry(struct execution_counts *counts, uint32_t block, uint64_t key) {
+static struct trip_entry *find_entry(struct execution_counts *counts, uint32_t block,
+                                     uint64_t key) {
     size_t at = slot_of(counts, block, key);
     for (;; at = (at + 1) & (counts->capacity - 1)) {
         struct trip_entry *entry = &counts->entries[at];
@@ -31,7 +32,8 @@ static void grow(struct execution_counts *counts) {
     free(old);
 }
 
-static void report_trips(struct shader_counters *counters, uint32_t block, uint64_t key, uint64_t trips) {
+static void report_trips(struct shader_counters *counters, uint32_t block, uint64_t key,
+                         uint64_t trips) {
     struct execution_counts *counts = (struct execution_counts *)counters;
     if (counts->used * 2 >= counts->capacity)
         grow(counts);

@@ -8,15 +8,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How often the SIMD array would issue each block of one shader over one region, put together from what the
- * vectors of samples report: a loop runs as long as any sample needs it (PF section 6.1.4). */
+/* How often the SIMD array would issue each block of one shader over one region, put together from
+ * what the vectors of samples report: a loop runs as long as any sample needs it (PF
+ * section 6.1.4). */
 struct execution_counts {
     struct shader_counters counters; /* first: what generated code sees */
     const struct shader_module *module;
     struct trip_entry {
         uint64_t key, trips;
         uint32_t block, generation;
-    } *entries; /* open addressing; entries of older generations are free */
+    } * entries; /* open addressing; entries of older generations are free */
     size_t capacity, used;
     uint32_t generation;
 };

@@ -11,7 +11,8 @@ bool frame_image_create(const struct frame_payload *frame, const struct region_g
     if (!image_create((int)frame->width, (int)frame->height, &image->image, status))
         return false;
     static const char *const names[] = {"R", "G", "B", "A", "Z"};
-    float **const planes[] = {&image->red, &image->green, &image->blue, &image->alpha, &image->depth};
+    float **const planes[] = {&image->red, &image->green, &image->blue, &image->alpha,
+                              &image->depth};
     for (int i = 0; i < 5; i++) {
         struct image_channel *channel = image_add_channel(image->image, names[i], IMAGE_FLOAT);
         if (!channel)
@@ -65,7 +66,8 @@ static void blend_samples(struct frame_image *image, const struct colour_view *c
     }
 }
 
-void frame_image_add(struct frame_image *image, uint32_t region, const struct colour_view *colours) {
+void frame_image_add(struct frame_image *image, uint32_t region,
+                     const struct colour_view *colours) {
     const struct region_grid *grid = &image->grid;
     const bool is_blended = image->frame.samples_x * image->frame.samples_y > 1;
     uint32_t x0, y0, at = 0;

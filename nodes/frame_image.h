@@ -5,11 +5,11 @@
 #include "images/image.h"
 #include "nodes/protocol.h"
 
-/* The picture of a frame as its regions arrive: channels R G B A (share of samples covered), Z (camera-space
- * depth of the nearest sample, 0 where there is none) and shaderID (of that sample).
+/* The picture of a frame as its regions arrive: channels R G B A (share of samples covered), Z
+ * (camera-space depth of the nearest sample, 0 where there is none) and shaderID (of that sample).
  *
- * Samples of a pixel are blended with equal weights. Regions must be added in ascending order, so that sums are
- * the same bits however they arrived (contract C1). */
+ * Samples of a pixel are blended with equal weights. Regions must be added in ascending order, so
+ * that sums are the same bits however they arrived (contract C1). */
 struct frame_image {
     struct image *image;
     struct frame_payload frame;

@@ -11,8 +11,8 @@
 
 static const char default_surface[] = "defaultsurface";
 
-/* Meshes that would be one instance but for their colour: when Cs (or Os) differs among them it becomes a
- * material parameter, else it is bound. */
+/* Meshes that would be one instance but for their colour: when Cs (or Os) differs among them it
+ * becomes a material parameter, else it is bound. */
 struct colour_group {
     uint64_t key;
     float color[3], opacity[3];
@@ -36,13 +36,15 @@ static const struct scene_variable *find_variable(const struct scene_mesh *mesh,
 
 static uint64_t hash_parameter(const struct scene_parameter *parameter, uint64_t key) {
     static const int components[] = {1, 3, 3, 3, 3, 1};
-    key = hash_string(parameter->name, key + (uint64_t)parameter->type * 3 + (uint64_t)parameter->array_length);
+    key = hash_string(parameter->name,
+                      key + (uint64_t)parameter->type * 3 + (uint64_t)parameter->array_length);
     const int count = parameter->array_length ? parameter->array_length : 1;
     if (parameter->strings)
         for (int i = 0; i < count; i++)
             key = hash_string(parameter->strings[i], key);
     else
-        key = hash_bytes(parameter->values, (size_t)(count * components[parameter->type]) * sizeof(float), key);
+        key = hash_bytes(parameter->values,
+                         (size_t)(count * components[parameter->type]) * sizeof(float), key);
     return key;
 }
 
@@ -98,7 +100,8 @@ static int material_names(const struct scene_mesh *mesh, const struct colour_gro
     return count;
 }
 
-/* Checks that each material parameter of the variant has a variable of the right shape on the mesh. */
+/* Checks that each material parameter of the variant has a variable of the right shape on the mesh.
+ */
 static bool check_material(const struct scene_mesh *mesh, const struct shader_variant *variant,
                            struct status *status) {
     for (int i = 0; i < variant->program->parameter_count; i++) {
@@ -107,22 +110,25 @@ static bool check_material(const struct scene_mesh *mesh, const struct shader_va
             continue;
         const struct scene_variable *variable = find_variable(mesh, parameter->name);
         if (variable && variable->components != parameter->components)
-            return status_fail(status, STATUS_INVALID,
-                               "%s:%d:%d: error: primitive variable \"%s\" has %d floats, parameter %s of "
-                               "shader %s has %d",
-                               mesh->location.file, mesh->location.line, mesh->location.column,
-                               variable->name, variable->components, parameter->name,
-                               variant->program->name, parameter->components);
+            return status_fail(
+                status, STATUS_INVALID,
+                "%s:%d:%d: error: primitive variable \"%s\" has %d floats, parameter %s of "
+                "shader %s has %d",
+                mesh->location.file, mesh->location.line, mesh->location.column, variable->name,
+                variable->components, parameter->name, variant->program->name,
+                parameter->components);
     }
     return true;
 }
 
-static uint32_t append_matrices(uint32_t spaces, const struct mat4 *to_camera_of[SHADER_SPACE_COUNT],
+static uint32_t append_matrices(uint32_t spaces,
+                                const struct mat4 *to_camera_of[SHADER_SPACE_COUNT],
                                 float *matrices) {
     uint32_t sent = 0;
     for (int space = 0; space < SHADER_SPACE_COUNT; space++) {
         struct mat4 inverse;
-        if (!(spaces >> space & 1) || !to_camera_of[space] || !mat4_invert(to_camera_of[space], &inverse))
+        if (!(spaces >> space & 1) || !to_camera_of[space] ||
+            !mat4_invert(to_camera_of[space], &inverse))
             continue;
         for (int i = 0; i < 16; i++) {
             matrices[i] = (float)to_camera_of[space]->m[i / 4][i % 4];
@@ -136,9 +142,9 @@ static uint32_t append_matrices(uint32_t spaces, const struct mat4 *to_camera_of
 
 /* Puts a shader with its bound values into a message; `lights` are indices for an instance. */
 static bool encode_shader(const struct scene_frame *frame, const struct shader_variant *variant,
-                          const struct bound_source *source, const uint32_t *lights, uint32_t light_count,
-                          uint32_t id, enum wire_kind kind, struct planned_instance *planned,
-                          struct status *status) {
+                          const struct bound_source *source, const uint32_t *lights,
+                          uint32_t light_count, uint32_t id, enum wire_kind kind,
+                          struct planned_instance *planned, struct status *status) {
     const int bound_count = variant->program->bound_count;
     float *bound = memory_get((size_t)bound_count, sizeof *bound);
     uint8_t *given = memory_get((size_t)bound_count, 1);
@@ -146,7 +152,8 @@ static bool encode_shader(const struct scene_frame *frame, const struct shader_v
     if (ok) {
         struct mat4 world_to_camera = frame->camera.world_to_camera;
         const struct mat4 *to_camera_of[SHADER_SPACE_COUNT] = {
-            [SHADER_SPACE_SHADER] = source->shader ? &source->shader->shader_to_camera : source->object_to_camera,
+            [SHADER_SPACE_SHADER] =
+                source->shader ? &source->shader->shader_to_camera : source->object_to_camera,
             [SHADER_SPACE_OBJECT] = source->object_to_camera,
             [SHADER_SPACE_WORLD] = &world_to_camera,
         };
@@ -178,13 +185,15 @@ static void name_instance(struct frame_plan *plan, struct planned_instance *plan
     if (same == 1)
         snprintf(planned->name, sizeof planned->name, "%s", planned->variant->program->name);
     else
-        snprintf(planned->name, sizeof planned->name, "%.48s.%d", planned->variant->program->name, same);
+        snprintf(planned->name, sizeof planned->name, "%.48s.%d", planned->variant->program->name,
+                 same);
 }
 
 /* Everything in an INSTANCE message but its ID. */
 static bool same_instance(const struct message *a, const struct message *b) {
     enum { BEHIND_ID = WIRE_HEADER_BYTES + 4 };
-    return a->length == b->length && !memcmp(a->bytes + BEHIND_ID, b->bytes + BEHIND_ID, a->length - BEHIND_ID);
+    return a->length == b->length &&
+           !memcmp(a->bytes + BEHIND_ID, b->bytes + BEHIND_ID, a->length - BEHIND_ID);
 }
 
 static bool add_instance(struct frame_plan *plan, struct planned_instance *planned, uint16_t *id,
@@ -197,14 +206,15 @@ static bool add_instance(struct frame_plan *plan, struct planned_instance *plann
         }
     if (plan->instance_count == UINT16_MAX) {
         message_release(planned->message);
-        return status_fail(status, STATUS_LIMIT,
-                           "%s:%d:%d: error: more than 65535 shader instances in one frame; share Surface "
-                           "calls, or give what differs as a primitive variable",
-                           mesh->location.file, mesh->location.line, mesh->location.column);
+        return status_fail(
+            status, STATUS_LIMIT,
+            "%s:%d:%d: error: more than 65535 shader instances in one frame; share Surface "
+            "calls, or give what differs as a primitive variable",
+            mesh->location.file, mesh->location.line, mesh->location.column);
     }
     name_instance(plan, planned);
-    plan->instances = memory_grow(plan->instances, &plan->instance_capacity, plan->instance_count + 1,
-                                  sizeof *plan->instances);
+    plan->instances = memory_grow(plan->instances, &plan->instance_capacity,
+                                  plan->instance_count + 1, sizeof *plan->instances);
     plan->instances[plan->instance_count++] = *planned;
     *id = (uint16_t)plan->instance_count;
     return true;
@@ -229,8 +239,8 @@ static bool plan_mesh(const struct scene_frame *frame, const struct scene_mesh *
     const struct shader_variant *variant;
     bool ok = shader_library_variant(library, mesh->surface ? mesh->surface->name : default_surface,
                                      SHADER_KIND_SURFACE, names, name_count,
-                                     mesh->surface ? &mesh->surface->location : &mesh->location, &variant,
-                                     status) &&
+                                     mesh->surface ? &mesh->surface->location : &mesh->location,
+                                     &variant, status) &&
               check_material(mesh, variant, status);
     free(names);
     if (!ok)
@@ -244,8 +254,8 @@ static bool plan_mesh(const struct scene_frame *frame, const struct scene_mesh *
     uint32_t light_count;
     uint32_t *lights = light_indices(frame, mesh, &light_count);
     struct planned_instance planned = {0};
-    ok = encode_shader(frame, variant, &source, lights, light_count, (uint32_t)plan->instance_count + 1,
-                       WIRE_INSTANCE, &planned, status) &&
+    ok = encode_shader(frame, variant, &source, lights, light_count,
+                       (uint32_t)plan->instance_count + 1, WIRE_INSTANCE, &planned, status) &&
          add_instance(plan, &planned, id, mesh, status);
     free(lights);
     return ok;
@@ -256,12 +266,13 @@ static bool plan_lights(const struct scene_frame *frame, struct shader_library *
     plan->lights = memory_get((size_t)frame->light_count, sizeof *plan->lights);
     for (int l = 0; l < frame->light_count; l++) {
         const struct scene_shader *light = frame->lights[l];
-        const struct bound_source source = {.shader = light, .object_to_camera = &light->shader_to_camera};
+        const struct bound_source source = {.shader = light,
+                                            .object_to_camera = &light->shader_to_camera};
         const struct shader_variant *variant;
-        if (!shader_library_variant(library, light->name, SHADER_KIND_LIGHT, NULL, 0, &light->location,
-                                    &variant, status) ||
-            !encode_shader(frame, variant, &source, NULL, 0, (uint32_t)l, WIRE_LIGHT, &plan->lights[l],
-                           status))
+        if (!shader_library_variant(library, light->name, SHADER_KIND_LIGHT, NULL, 0,
+                                    &light->location, &variant, status) ||
+            !encode_shader(frame, variant, &source, NULL, 0, (uint32_t)l, WIRE_LIGHT,
+                           &plan->lights[l], status))
             return false;
         snprintf(plan->lights[l].name, sizeof plan->lights[l].name, "%s", variant->program->name);
         plan->light_count++;
@@ -278,8 +289,8 @@ bool frame_plan_make(const struct scene_frame *frame, struct shader_library *lib
     bool ok = plan_lights(frame, library, plan, status);
     for (size_t m = 0; ok && m < frame->mesh_count; m++) {
         const struct scene_mesh *mesh = &frame->meshes[m];
-        ok = plan_mesh(frame, mesh, find_group(groups, group_count, colour_group_key(mesh)), library, plan,
-                       &plan->mesh_instance[m], status);
+        ok = plan_mesh(frame, mesh, find_group(groups, group_count, colour_group_key(mesh)),
+                       library, plan, &plan->mesh_instance[m], status);
     }
     free(groups);
     if (!ok)

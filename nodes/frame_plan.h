@@ -6,8 +6,9 @@
 #include "nodes/shader_library.h"
 #include "scenes/scene.h"
 
-/* What the host makes of a frame before it sends it: shader instances (a shader variant with its bound
- * parameters), lights, and which instance each mesh uses. Instances equal in everything are one. */
+/* What the host makes of a frame before it sends it: shader instances (a shader variant with its
+ * bound parameters), lights, and which instance each mesh uses. Instances equal in everything are
+ * one. */
 struct planned_parameter {
     const char *name;
     uint32_t bytes;

@@ -45,7 +45,7 @@ struct framebuffer_node {
     struct early_message {
         struct message *message;
         struct wire_header header;
-    } *early;
+    } * early;
     size_t early_count, early_capacity;
 };
 
@@ -69,7 +69,8 @@ static void frame_finish(struct collected_frame *frame) {
     *frame = (struct collected_frame){0};
 }
 
-static ticks price_of(const struct machine *machine, const struct shading_work *work, uint32_t count) {
+static ticks price_of(const struct machine *machine, const struct shading_work *work,
+                      uint32_t count) {
     ticks total = 0;
     for (uint32_t i = 0; i < count; i++)
         for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
@@ -87,10 +88,11 @@ static const struct timing_work *copy_work(const struct region_work *work, uint3
     return copy;
 }
 
-/* Bytes of one region on the composition network, by cause: whole words for every sample of the region, and
- * within them what covered samples really say (docs/timing.md). A region without candidates is one word. */
-static void charge_composition(struct frame_record *record, const struct machine *machine, int64_t words,
-                               uint64_t covered, uint64_t map_floats) {
+/* Bytes of one region on the composition network, by cause: whole words for every sample of the
+ * region, and within them what covered samples really say (docs/timing.md). A region without
+ * candidates is one word. */
+static void charge_composition(struct frame_record *record, const struct machine *machine,
+                               int64_t words, uint64_t covered, uint64_t map_floats) {
     const uint64_t word = (uint64_t)machine->composition_word_bytes,
                    depth = (uint64_t)machine->composition_depth_bytes;
     const uint64_t count = words ? (uint64_t)machine_region_samples(machine) * (uint64_t)words : 1;
@@ -112,7 +114,8 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
     uint64_t covered = 0, map_floats = 0;
     if (arrived->is_coloured) {
         struct colour_view view;
-        if (!colour_open(arrived->message, samples, self->configuration.rendering_nodes, &view, status))
+        if (!colour_open(arrived->message, samples, self->configuration.rendering_nodes, &view,
+                         status))
             return false;
         covered = view.head.sample_count;
         map_floats = view.map_floats;
@@ -136,10 +139,8 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
     frame->record.regions_covered += covered > 0;
     frame->record.samples_covered += covered;
     charge_composition(&frame->record, machine, timing->words, covered, map_floats);
-    frame->record.framebuffer.bytes += covered ? (uint64_t)(machine->colour_words *
-                                                            machine->composition_word_bytes) *
-                                                     samples
-                                               : 0;
+    frame->record.framebuffer.bytes +=
+        covered ? (uint64_t)(machine->colour_words * machine->composition_word_bytes) * samples : 0;
     message_release(arrived->message);
     arrived->message = NULL;
     return true;
@@ -201,7 +202,8 @@ static bool complete_frame(struct framebuffer_node *self, struct collected_frame
 }
 
 /* Adds what has arrived in order; finishes frames that are complete, in order too. */
-static bool advance(struct framebuffer_node *self, struct node_outputs *outputs, struct status *status) {
+static bool advance(struct framebuffer_node *self, struct node_outputs *outputs,
+                    struct status *status) {
     for (struct collected_frame *frame; (frame = frame_of(self, self->next_frame));) {
         while (frame->added < frame->grid.count && frame->regions[frame->added].has_arrived) {
             self->node.frame = frame->index;
@@ -218,18 +220,19 @@ static bool advance(struct framebuffer_node *self, struct node_outputs *outputs,
     return true;
 }
 
-static bool arrive(struct framebuffer_node *self, uint32_t frame_index, uint32_t first, uint32_t count,
-                   struct message *message, bool is_coloured, struct node_outputs *outputs,
-                   struct status *status) {
+static bool arrive(struct framebuffer_node *self, uint32_t frame_index, uint32_t first,
+                   uint32_t count, struct message *message, bool is_coloured,
+                   struct node_outputs *outputs, struct status *status) {
     struct collected_frame *frame = frame_of(self, frame_index);
     if (count > frame->grid.count || first > frame->grid.count - count)
         return status_fail(status, STATUS_INVALID, "frame %u has no region %u", frame_index, first);
     for (uint32_t k = first; k < first + count; k++) {
         struct arrived_region *region = &frame->regions[k];
         if (region->has_arrived)
-            return status_fail(status, STATUS_INVALID, "frame %u, region %u arrived twice", frame_index,
-                               k);
-        *region = (struct arrived_region){true, message ? message_hold(message) : NULL, is_coloured};
+            return status_fail(status, STATUS_INVALID, "frame %u, region %u arrived twice",
+                               frame_index, k);
+        *region =
+            (struct arrived_region){true, message ? message_hold(message) : NULL, is_coloured};
     }
     const uint64_t before = (uint64_t)frame->arrived * PROGRESS_STEPS / frame->grid.count;
     frame->arrived += count;
@@ -244,8 +247,8 @@ static bool accept_region(struct framebuffer_node *self, struct message *message
                           const struct wire_header *header, struct node_outputs *outputs,
                           struct status *status) {
     if (!frame_of(self, header->frame)) {
-        self->early =
-            memory_grow(self->early, &self->early_capacity, self->early_count + 1, sizeof *self->early);
+        self->early = memory_grow(self->early, &self->early_capacity, self->early_count + 1,
+                                  sizeof *self->early);
         self->early[self->early_count++] = (struct early_message){message_hold(message), *header};
         return true;
     }
@@ -302,12 +305,14 @@ static bool configure(struct framebuffer_node *self, const struct node_event *ev
     if (!configuration_decode(event->message, &self->configuration, status))
         return false;
     self->is_configured = true;
-    self->timing = timing_model_create(&self->configuration.machine, self->configuration.rendering_nodes,
-                                       self->configuration.shading_nodes);
+    self->timing =
+        timing_model_create(&self->configuration.machine, self->configuration.rendering_nodes,
+                            self->configuration.shading_nodes);
     return true;
 }
 
-static bool quit(struct framebuffer_node *self, struct node_outputs *outputs, struct status *status) {
+static bool quit(struct framebuffer_node *self, struct node_outputs *outputs,
+                 struct status *status) {
     self->node.is_finished = true;
     if (!self->services->finish_images(self->services->context, status))
         return false;
@@ -359,7 +364,8 @@ static void framebuffer_node_describe(const struct node *node, char *text, size_
     else if (!frame->is_begun)
         snprintf(text, size, "waits for frame %u from the host", self->next_frame);
     else if (frame->added < frame->grid.count)
-        snprintf(text, size, "waits for region %u of frame %u from shading node %u (%u of %u are here)",
+        snprintf(text, size,
+                 "waits for region %u of frame %u from shading node %u (%u of %u are here)",
                  frame->added, frame->index, frame->added % self->configuration.shading_nodes,
                  frame->arrived, frame->grid.count);
     else

@@ -24,8 +24,8 @@ bool host_image_name(const char *pattern, bool is_sequence, int number, char *na
     for (const char *at = pattern; *at && written < 0; at++) {
         const size_t length = number_part(at, &digits);
         if (length)
-            written = snprintf(name, size, "%.*s%0*d%s", (int)(at - pattern), pattern, digits, number,
-                               at + length);
+            written = snprintf(name, size, "%.*s%0*d%s", (int)(at - pattern), pattern, digits,
+                               number, at + length);
     }
     if (written < 0 && is_sequence) {
         const char *slash = strrchr(pattern, '/'), *dot = strrchr(slash ? slash : pattern, '.');
@@ -36,6 +36,7 @@ bool host_image_name(const char *pattern, bool is_sequence, int number, char *na
     if (written < 0)
         written = snprintf(name, size, "%s", pattern);
     if (written < 0 || (size_t)written >= size)
-        return status_fail(status, STATUS_INVALID, "the name of the picture is too long: %s", pattern);
+        return status_fail(status, STATUS_INVALID, "the name of the picture is too long: %s",
+                           pattern);
     return true;
 }

@@ -31,8 +31,8 @@ struct host_node {
     uint32_t next_frame, frames_done;
     int last_number; /* of the last frame sent, as FrameBegin or repetition counts */
     int numbers[HOST_FRAMES_UNDER_WAY]; /* of the frames under way */
-    bool is_over;    /* no more frames will be sent */
-    struct sent_message *sent; /* of the last frame of the scene */
+    bool is_over;                       /* no more frames will be sent */
+    struct sent_message *sent;          /* of the last frame of the scene */
     size_t sent_count, sent_capacity;
     struct frame_payload last_frame;
     uint64_t bytes[CAUSE_COUNT]; /* charged for the frame being sent */
@@ -43,8 +43,8 @@ struct host_node {
 
 static void add_warning(struct host_node *self, const char *text) {
     struct host_report *report = &self->report;
-    report->warnings = memory_grow(report->warnings, &self->warning_capacity, report->warning_count + 1,
-                                   sizeof *report->warnings);
+    report->warnings = memory_grow(report->warnings, &self->warning_capacity,
+                                   report->warning_count + 1, sizeof *report->warnings);
     report->warnings[report->warning_count++] = memory_copy_string(text);
     if (self->observer.warning)
         self->observer.warning(self->observer.context, text);
@@ -72,7 +72,8 @@ static void send_to_role(enum node_role role, uint32_t count, struct message *me
         node_send(outputs, (struct node_address){role, i}, message_hold(message));
 }
 
-static void broadcast(struct host_node *self, struct message *message, struct node_outputs *outputs) {
+static void broadcast(struct host_node *self, struct message *message,
+                      struct node_outputs *outputs) {
     charge(self, message);
     send_to_role(NODE_RENDERING, self->options.rendering_nodes, message, outputs);
     send_to_role(NODE_SHADING, self->options.shading_nodes, message, outputs);
@@ -81,7 +82,8 @@ static void broadcast(struct host_node *self, struct message *message, struct no
 }
 
 /* Sends a message of the frame's contents and remembers it. Takes over the hold. */
-static void send_content(struct host_node *self, struct sent_message item, struct node_outputs *outputs) {
+static void send_content(struct host_node *self, struct sent_message item,
+                         struct node_outputs *outputs) {
     charge(self, item.message);
     if (item.audience == TO_ONE)
         node_send(outputs, item.to, message_hold(item.message));
@@ -124,7 +126,8 @@ static bool compile_new_shaders(struct host_node *self, struct status *status) {
     const uint32_t first = self->shaders_sent, count = shader_library_count(self->library) - first;
     if (!count || !self->build_shaders)
         return true;
-    const char **names = memory_get(count, sizeof *names), **sources = memory_get(count, sizeof *sources);
+    const char **names = memory_get(count, sizeof *names),
+               **sources = memory_get(count, sizeof *sources);
     for (uint32_t i = 0; i < count; i++) {
         const struct shader_program *program = shader_library_at(self->library, first + i)->program;
         names[i] = program->name;
@@ -143,7 +146,8 @@ static void announce_shaders(struct host_node *self, struct node_outputs *output
     for (; self->shaders_sent < shader_library_count(self->library); self->shaders_sent++) {
         const struct shader_program *program =
             shader_library_at(self->library, self->shaders_sent)->program;
-        const struct shader_payload payload = {self->shaders_sent, program->name, program->c_source};
+        const struct shader_payload payload = {self->shaders_sent, program->name,
+                                               program->c_source};
         struct message *message = shader_payload_encode(&payload, self->next_frame);
         charge(self, message);
         send_to_role(NODE_SHADING, self->options.shading_nodes, message, outputs);
@@ -162,10 +166,11 @@ static void report_instances(struct host_node *self, const struct frame_plan *pl
         struct instance_report *instance = &report->instances[i];
         memcpy(instance->name, plan->instances[i].name, sizeof instance->name);
         instance->shader = program->name;
-        instance->map_bytes =
-            (uint32_t)(self->options.machine.composition_shader_id_bytes + 4 * program->material_count);
+        instance->map_bytes = (uint32_t)(self->options.machine.composition_shader_id_bytes +
+                                         4 * program->material_count);
         instance->bound_bytes = plan->instances[i].bound_bytes;
-        instance->parameters = memory_get((size_t)program->parameter_count, sizeof *instance->parameters);
+        instance->parameters =
+            memory_get((size_t)program->parameter_count, sizeof *instance->parameters);
         for (int p = 0; p < program->parameter_count; p++)
             if (program->parameters[p].is_material)
                 instance->parameters[instance->parameter_count++] = (struct planned_parameter){
@@ -173,7 +178,8 @@ static void report_instances(struct host_node *self, const struct frame_plan *pl
     }
 }
 
-static struct frame_payload frame_payload_of(const struct host_node *self, const struct scene_camera *camera) {
+static struct frame_payload frame_payload_of(const struct host_node *self,
+                                             const struct scene_camera *camera) {
     struct frame_payload payload = {
         .width = (uint32_t)camera->width,
         .height = (uint32_t)camera->height,
@@ -195,7 +201,8 @@ static bool begin_frame(struct host_node *self, struct frame_payload *payload, i
     if (!region_grid_check(payload, &self->options.machine, status))
         return false;
     if (self->options.output && self->options.output[0] &&
-        !host_image_name(self->options.output, self->is_sequence, number, name, sizeof name, status))
+        !host_image_name(self->options.output, self->is_sequence, number, name, sizeof name,
+                         status))
         return false;
     payload->image_path = name;
     broadcast(self, frame_payload_encode(payload, self->next_frame), outputs);
@@ -227,7 +234,8 @@ static bool send_chunks(struct host_node *self, const struct scene_frame *frame,
     uint32_t *node = chunker_assign(count, self->options.rendering_nodes, self->options.seed);
     for (size_t i = 0; i < count; i++) {
         if (ok)
-            send_content(self, (struct sent_message){chunks[i], {NODE_RENDERING, node[i]}, TO_ONE}, outputs);
+            send_content(self, (struct sent_message){chunks[i], {NODE_RENDERING, node[i]}, TO_ONE},
+                         outputs);
         else
             message_release(chunks[i]);
     }
@@ -241,15 +249,15 @@ static int frame_number(struct host_node *self, const struct scene_frame *frame)
     char text[256];
     if (!self->next_frame || frame->number > self->last_number)
         return frame->number;
-    snprintf(text, sizeof text, "%.100s: frame %d comes after frame %d; its picture is numbered %d", self->options.scene,
-             frame->number, self->last_number, self->last_number + 1);
+    snprintf(text, sizeof text, "%.100s: frame %d comes after frame %d; its picture is numbered %d",
+             self->options.scene, frame->number, self->last_number, self->last_number + 1);
     if (self->options.output && self->options.output[0])
         add_warning(self, text);
     return self->last_number + 1;
 }
 
-static bool send_new_frame(struct host_node *self, struct scene_frame *frame, struct node_outputs *outputs,
-                           struct status *status) {
+static bool send_new_frame(struct host_node *self, struct scene_frame *frame,
+                           struct node_outputs *outputs, struct status *status) {
     struct frame_plan plan;
     bool ok = frame_plan_make(frame, self->library, &plan, status);
     collect_warnings(self);
@@ -263,11 +271,19 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame, st
         announce_shaders(self, outputs);
         forget_sent(self);
         for (size_t l = 0; l < plan.light_count; l++)
-            send_content(self, (struct sent_message){message_for_frame(plan.lights[l].message, self->next_frame),
-                                                     {NODE_SHADING, 0}, TO_SHADING_NODES}, outputs);
+            send_content(
+                self,
+                (struct sent_message){message_for_frame(plan.lights[l].message, self->next_frame),
+                                      {NODE_SHADING, 0},
+                                      TO_SHADING_NODES},
+                outputs);
         for (size_t i = 0; i < plan.instance_count; i++)
-            send_content(self, (struct sent_message){message_for_frame(plan.instances[i].message, self->next_frame),
-                                                     {NODE_SHADING, 0}, TO_SHADING_NODES}, outputs);
+            send_content(self,
+                         (struct sent_message){
+                             message_for_frame(plan.instances[i].message, self->next_frame),
+                             {NODE_SHADING, 0},
+                             TO_SHADING_NODES},
+                         outputs);
         ok = send_chunks(self, frame, &plan, outputs, status);
     }
     frame_plan_finish(&plan);
@@ -276,7 +292,8 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame, st
     return ok;
 }
 
-static bool repeat_frame(struct host_node *self, struct node_outputs *outputs, struct status *status) {
+static bool repeat_frame(struct host_node *self, struct node_outputs *outputs,
+                         struct status *status) {
     if (!begin_frame(self, &self->last_frame, self->last_number + 1, outputs, status))
         return false;
     struct sent_message *old = self->sent;
@@ -296,11 +313,13 @@ static bool repeat_frame(struct host_node *self, struct node_outputs *outputs, s
 
 static bool wants_more(const struct host_node *self) {
     if (self->options.frames)
-        return self->next_frame < (uint32_t)self->options.frames && (self->upcoming || self->next_frame);
+        return self->next_frame < (uint32_t)self->options.frames &&
+               (self->upcoming || self->next_frame);
     return self->upcoming != NULL;
 }
 
-static bool send_frame(struct host_node *self, struct node_outputs *outputs, struct status *status) {
+static bool send_frame(struct host_node *self, struct node_outputs *outputs,
+                       struct status *status) {
     struct scene_frame *frame = self->upcoming;
     if (!frame)
         return repeat_frame(self, outputs, status);
@@ -312,14 +331,15 @@ static bool send_frame(struct host_node *self, struct node_outputs *outputs, str
 }
 
 static bool start(struct host_node *self, struct node_outputs *outputs, struct status *status) {
-    const struct configuration configuration = {self->options.rendering_nodes, self->options.shading_nodes,
-                                                self->options.machine};
+    const struct configuration configuration = {self->options.rendering_nodes,
+                                                self->options.shading_nodes, self->options.machine};
     struct scene_frame *first;
     if (!read_upcoming(self, status))
         return false;
     if (!self->upcoming)
-        return status_fail(status, STATUS_INVALID, "%s: error: the scene holds no world block (WorldBegin "
-                                                   "... WorldEnd), so there is nothing to render",
+        return status_fail(status, STATUS_INVALID,
+                           "%s: error: the scene holds no world block (WorldBegin "
+                           "... WorldEnd), so there is nothing to render",
                            self->options.scene);
     broadcast(self, configuration_encode(&configuration), outputs);
     first = self->upcoming;
@@ -341,7 +361,8 @@ static bool start(struct host_node *self, struct node_outputs *outputs, struct s
     return ok;
 }
 
-static bool finish_frame(struct host_node *self, const struct node_event *event, struct status *status) {
+static bool finish_frame(struct host_node *self, const struct node_event *event,
+                         struct status *status) {
     struct host_report *report = &self->report;
     struct frame_record record;
     if (!frame_record_decode(event->message, &record, status))
@@ -354,12 +375,14 @@ static bool finish_frame(struct host_node *self, const struct node_event *event,
     self->frames_done++;
     char text[256];
     if (record.nan_depths) {
-        snprintf(text, sizeof text, "frame %d: %llu samples with a depth that is not a number were refused",
+        snprintf(text, sizeof text,
+                 "frame %d: %llu samples with a depth that is not a number were refused",
                  record.number, (unsigned long long)record.nan_depths);
         add_warning(self, text);
     }
     if (record.nan_colours) {
-        snprintf(text, sizeof text, "frame %d: %llu colour components of samples are not finite numbers",
+        snprintf(text, sizeof text,
+                 "frame %d: %llu colour components of samples are not finite numbers",
                  record.number, (unsigned long long)record.nan_colours);
         add_warning(self, text);
     }
@@ -373,11 +396,13 @@ static bool fail_from_node(const struct node_event *event, struct status *status
     const char *text = text_decode(event->message, status);
     if (!text)
         return false;
-    return status_fail(status, (enum status_code)(event->header.region ? event->header.region : STATUS_INTERNAL),
-                       "%s: %s", node_address_name(node_address_unpack(event->header.sender), name), text);
+    return status_fail(
+        status, (enum status_code)(event->header.region ? event->header.region : STATUS_INTERNAL),
+        "%s: %s", node_address_name(node_address_unpack(event->header.sender), name), text);
 }
 
-static bool handle_message(struct host_node *self, const struct node_event *event, struct status *status) {
+static bool handle_message(struct host_node *self, const struct node_event *event,
+                           struct status *status) {
     const char *text;
     switch (event->header.kind) {
     case WIRE_PROGRESS:
@@ -406,8 +431,8 @@ static bool handle_message(struct host_node *self, const struct node_event *even
     }
 }
 
-static bool host_node_step(struct node *node, const struct node_event *event, struct node_outputs *outputs,
-                           struct status *status) {
+static bool host_node_step(struct node *node, const struct node_event *event,
+                           struct node_outputs *outputs, struct status *status) {
     struct host_node *self = (struct host_node *)node;
     bool ok = true;
     if (event->kind == NODE_START)
@@ -432,8 +457,11 @@ static void host_node_describe(const struct node *node, char *text, size_t size)
     else if (node->has_work)
         snprintf(text, size, "prepares frame %u", self->next_frame);
     else
-        snprintf(text, size, "waits for the framebuffer node to complete frame %u (%u of %u regions known to be done)",
-                 self->frames_done, node->frame == self->frames_done ? node->region : 0, self->regions);
+        snprintf(text, size,
+                 "waits for the framebuffer node to complete frame %u (%u of %u regions known to "
+                 "be done)",
+                 self->frames_done, node->frame == self->frames_done ? node->region : 0,
+                 self->regions);
 }
 
 static void host_node_destroy(struct node *node) {
@@ -458,8 +486,8 @@ static void host_node_destroy(struct node *node) {
 }
 
 bool host_node_create(const struct host_options *options, const struct host_observer *observer,
-                      bool (*build_shaders)(void *, const char *const *, const char *const *, size_t,
-                                            size_t *, struct status *),
+                      bool (*build_shaders)(void *, const char *const *, const char *const *,
+                                            size_t, size_t *, struct status *),
                       void *build_context, struct trace *trace, struct node **node,
                       struct status *status) {
     static const struct node_type type = {host_node_step, host_node_describe, host_node_destroy};

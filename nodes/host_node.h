@@ -6,8 +6,8 @@
 #include "nodes/node.h"
 #include "nodes/protocol.h"
 
-/* The host: reads the scene frame by frame, hands primitives out, broadcasts everything else, and keeps two
- * frames under way (FACTS: double buffering). */
+/* The host: reads the scene frame by frame, hands primitives out, broadcasts everything else, and
+ * keeps two frames under way (FACTS: double buffering). */
 
 struct host_options {
     const char *scene;
@@ -18,13 +18,15 @@ struct host_options {
     int shader_folder_count;
     int frames; /* 0: as many as the scene has; more than that repeat the last */
     uint64_t seed;
-    const char *output; /* picture to write; NULL or "": none. See image_name.h for several frames */
+    const char
+        *output; /* picture to write; NULL or "": none. See image_name.h for several frames */
     bool write_png;
     uint32_t compression; /* enum image_compression */
     bool fast_math;
 };
 
-/* What the host tells whoever shows things to people; called from within node_step. All may be NULL. */
+/* What the host tells whoever shows things to people; called from within node_step. All may be
+ * NULL. */
 struct host_observer {
     void *context;
     void (*warning)(void *context, const char *text);
@@ -52,18 +54,19 @@ struct host_report {
     size_t warning_count;
 };
 
-/* `build_shaders` compiles the C sources of new shaders before any node is told of them; NULL to let the
- * shading nodes do it. Options are copied, except strings. */
+/* `build_shaders` compiles the C sources of new shaders before any node is told of them; NULL to
+ * let the shading nodes do it. Options are copied, except strings. */
 bool host_node_create(const struct host_options *options, const struct host_observer *observer,
                       bool (*build_shaders)(void *context, const char *const *names,
-                                            const char *const *sources, size_t count, size_t *compiled,
-                                            struct status *status),
+                                            const char *const *sources, size_t count,
+                                            size_t *compiled, struct status *status),
                       void *build_context, struct trace *trace, struct node **node,
                       struct status *status);
 /* What is known by now; belongs to the node. */
 const struct host_report *host_node_report(const struct node *node);
-/* The name of the picture of a frame (docs/rendering.md): the pattern itself for a single frame; otherwise the
- * frame number replaces a "%04d"-like part, or is put before the suffix as ".0001". */
+/* The name of the picture of a frame (docs/rendering.md): the pattern itself for a single frame;
+ * otherwise the frame number replaces a "%04d"-like part, or is put before the suffix as ".0001".
+ */
 bool host_image_name(const char *pattern, bool is_sequence, int number, char *name, size_t size,
                      struct status *status);
 

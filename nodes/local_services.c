@@ -38,7 +38,8 @@ static bool open_cache(struct local_services *services, struct status *status) {
     if (!shader_cache_open(&services->cache, status))
         return false;
     shader_cache_set_stop(services->cache, services->stop);
-    trace_line(services->trace, "shaders run on vectors of %s", shader_cache_vectors(services->cache));
+    trace_line(services->trace, "shaders run on vectors of %s",
+               shader_cache_vectors(services->cache));
     return true;
 }
 
@@ -48,11 +49,13 @@ static bool load_shader(void *context, const char *name, const char *c_source,
     if (!open_cache(services, status))
         return false;
     trace_line(services->trace, "loads shader %s", name);
-    return shader_cache_load(services->cache, (struct shader_source){name, c_source}, module, status);
+    return shader_cache_load(services->cache, (struct shader_source){name, c_source}, module,
+                             status);
 }
 
-bool local_services_build_shaders(void *context, const char *const *names, const char *const *sources,
-                                  size_t count, size_t *compiled, struct status *status) {
+bool local_services_build_shaders(void *context, const char *const *names,
+                                  const char *const *sources, size_t count, size_t *compiled,
+                                  struct status *status) {
     struct local_services *services = context;
     struct shader_source *list = memory_get(count, sizeof *list);
     for (size_t i = 0; i < count; i++)
@@ -121,7 +124,8 @@ static bool write_image(void *context, struct image *image, const char *path, ui
     pthread_mutex_lock(&services->lock);
     if (!services->has_writer)
         services->has_writer = !pthread_create(&services->writer, NULL, write_images, services);
-    while (services->has_writer && services->waiting_count == IMAGES_WAITING_MAX && !services->has_failed)
+    while (services->has_writer && services->waiting_count == IMAGES_WAITING_MAX &&
+           !services->has_failed)
         pthread_cond_wait(&services->changed, &services->lock);
     bool ok = services->has_writer && !services->has_failed;
     if (ok) {
@@ -151,7 +155,8 @@ static bool finish_images(void *context, struct status *status) {
     return ok;
 }
 
-struct local_services *local_services_create(struct trace *trace, const volatile sig_atomic_t *stop) {
+struct local_services *local_services_create(struct trace *trace,
+                                             const volatile sig_atomic_t *stop) {
     struct local_services *services = memory_get(1, sizeof *services);
     services->trace = trace;
     services->stop = stop;

@@ -10,15 +10,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A node is a state machine without sockets, clocks, threads or randomness: an event goes in, messages come
- * out. Drivers (driver_in_process.h, driver_sockets.h) host the very same nodes, so that the picture and the
- * simulated time cannot depend on how they are run (contracts C1, C2). */
+/* A node is a state machine without sockets, clocks, threads or randomness: an event goes in,
+ * messages come out. Drivers (driver_in_process.h, driver_sockets.h) host the very same nodes, so
+ * that the picture and the simulated time cannot depend on how they are run (contracts C1, C2). */
 
 /* X(NAME, name for people, name of its program) */
-#define NODE_ROLES(X)                                                                                        \
-    X(HOST, "host", "sortlast-host")                                                                         \
-    X(RENDERING, "rendering node", "sortlast-rendering-node")                                                \
-    X(SHADING, "shading node", "sortlast-shading-node")                                                      \
+#define NODE_ROLES(X)                                                                              \
+    X(HOST, "host", "sortlast-host")                                                               \
+    X(RENDERING, "rendering node", "sortlast-rendering-node")                                      \
+    X(SHADING, "shading node", "sortlast-shading-node")                                            \
     X(FRAMEBUFFER, "framebuffer node", "sortlast-framebuffer-node")
 enum node_role {
 #define NODE_ROLE_ENUM(name, text, program) NODE_##name,
@@ -68,11 +68,12 @@ void node_send(struct node_outputs *outputs, struct node_address to, struct mess
 struct node;
 
 struct node_type {
-    /* Handles one event; appends what is to be sent. A failure ends the run: the status names node, frame and
-     * region where they apply. */
+    /* Handles one event; appends what is to be sent. A failure ends the run: the status names node,
+     * frame and region where they apply. */
     bool (*step)(struct node *node, const struct node_event *event, struct node_outputs *outputs,
                  struct status *status);
-    /* Says in a line what the node waits for and from whom, for people: on SIGUSR1 and expired deadlines. */
+    /* Says in a line what the node waits for and from whom, for people: on SIGUSR1 and expired
+     * deadlines. */
     void (*describe)(const struct node *node, char *text, size_t size);
     void (*destroy)(struct node *node);
 };
@@ -97,7 +98,8 @@ struct shader_module;
 struct image;
 struct node_services {
     void *context;
-    /* The compiled module of a shader's C source; lives until the program ends. Blocks while it compiles. */
+    /* The compiled module of a shader's C source; lives until the program ends. Blocks while it
+     * compiles. */
     bool (*load_shader)(void *context, const char *name, const char *c_source,
                         const struct shader_module **module, struct status *status);
     /* Takes the image over and writes it; may return before it is written. */

@@ -49,10 +49,11 @@ struct message *shader_payload_encode(const struct shader_payload *shader, uint3
     wire_put_u32(&writer, shader->number);
     wire_put_string(&writer, shader->name);
     wire_put_string(&writer, shader->c_source);
-    return wire_finish(&writer, (struct wire_header){.kind = WIRE_SHADER,
-                                                     .frame = frame,
-                                                     .cause = CAUSE_SHADERS,
-                                                     .charged_bytes = {4 + strlen(shader->name), 0}});
+    return wire_finish(&writer,
+                       (struct wire_header){.kind = WIRE_SHADER,
+                                            .frame = frame,
+                                            .cause = CAUSE_SHADERS,
+                                            .charged_bytes = {4 + strlen(shader->name), 0}});
 }
 
 bool shader_payload_decode(const struct message *message, struct shader_payload *shader,
@@ -75,7 +76,8 @@ struct message *frame_payload_encode(const struct frame_payload *frame, uint32_t
         wire_put_f64(&writer, frame->screen_window[i]);
     wire_put_f64(&writer, frame->near_plane);
     wire_put_f64(&writer, frame->far_plane);
-    const uint64_t camera_bytes = writer.length; /* file names are the simulator's, not the machine's */
+    const uint64_t camera_bytes =
+        writer.length; /* file names are the simulator's, not the machine's */
     wire_put_u32(&writer, frame->write_png);
     wire_put_u32(&writer, frame->compression);
     wire_put_string(&writer, frame->image_path);
@@ -101,25 +103,32 @@ bool frame_payload_decode(const struct message *message, struct frame_payload *f
         return false;
     if (!frame->width || !frame->height || frame->width > 65536 || frame->height > 65536 ||
         !frame->samples_x || !frame->samples_y || frame->samples_x > 64 || frame->samples_y > 64)
-        return status_fail(status, STATUS_INVALID, "damaged frame begin message: size of the picture");
+        return status_fail(status, STATUS_INVALID,
+                           "damaged frame begin message: size of the picture");
     return true;
 }
 
-bool region_grid_check(const struct frame_payload *frame, const struct machine *machine, struct status *status) {
-    const uint64_t wide = (uint64_t)frame->width * frame->samples_x, high = (uint64_t)frame->height * frame->samples_y,
-                   columns = (wide + (uint64_t)machine->region_width - 1) / (uint64_t)machine->region_width,
-                   rows = (high + (uint64_t)machine->region_height - 1) / (uint64_t)machine->region_height;
+bool region_grid_check(const struct frame_payload *frame, const struct machine *machine,
+                       struct status *status) {
+    const uint64_t wide = (uint64_t)frame->width * frame->samples_x,
+                   high = (uint64_t)frame->height * frame->samples_y,
+                   columns = (wide + (uint64_t)machine->region_width - 1) /
+                             (uint64_t)machine->region_width,
+                   rows = (high + (uint64_t)machine->region_height - 1) /
+                          (uint64_t)machine->region_height;
     if (columns * rows <= REGIONS_MAX)
         return true;
     return status_fail(status, STATUS_LIMIT,
-                       "a picture of %u x %u pixels with %u x %u samples each has %llu regions of %lld x %lld samples, "
+                       "a picture of %u x %u pixels with %u x %u samples each has %llu regions of "
+                       "%lld x %lld samples, "
                        "more than %d: take fewer samples, or a machine of larger regions",
                        frame->width, frame->height, frame->samples_x, frame->samples_y,
                        (unsigned long long)(columns * rows), (long long)machine->region_width,
                        (long long)machine->region_height, REGIONS_MAX);
 }
 
-struct region_grid region_grid_make(const struct frame_payload *frame, const struct machine *machine) {
+struct region_grid region_grid_make(const struct frame_payload *frame,
+                                    const struct machine *machine) {
     struct region_grid grid = {
         .samples_wide = frame->width * frame->samples_x,
         .samples_high = frame->height * frame->samples_y,
@@ -137,12 +146,14 @@ void region_grid_origin(const struct region_grid *grid, uint32_t region, uint32_
     *y = region / grid->columns * grid->region_height;
 }
 
-float region_grid_screen_x(const struct region_grid *grid, const struct frame_payload *frame, uint32_t x) {
+float region_grid_screen_x(const struct region_grid *grid, const struct frame_payload *frame,
+                           uint32_t x) {
     const double *w = frame->screen_window;
     return (float)(w[0] + (w[1] - w[0]) * ((x + 0.5) / grid->samples_wide));
 }
 
-float region_grid_screen_y(const struct region_grid *grid, const struct frame_payload *frame, uint32_t y) {
+float region_grid_screen_y(const struct region_grid *grid, const struct frame_payload *frame,
+                           uint32_t y) {
     const double *w = frame->screen_window;
     return (float)(w[3] + (w[2] - w[3]) * ((y + 0.5) / grid->samples_high));
 }
@@ -154,8 +165,8 @@ uint64_t instance_payload_bound_bytes(const struct instance_payload *instance) {
     return bytes;
 }
 
-struct message *instance_payload_encode(const struct instance_payload *instance, enum wire_kind kind,
-                                        uint32_t frame) {
+struct message *instance_payload_encode(const struct instance_payload *instance,
+                                        enum wire_kind kind, uint32_t frame) {
     struct wire_writer writer = {0};
     wire_put_u32(&writer, instance->id);
     wire_put_u32(&writer, instance->shader);
@@ -167,12 +178,12 @@ struct message *instance_payload_encode(const struct instance_payload *instance,
              (size_t)__builtin_popcount(instance->spaces) * 32 * sizeof(float));
     wire_put(&writer, instance->lights, instance->light_count * sizeof(uint32_t));
     wire_put(&writer, instance->given, instance->bound_count);
-    return wire_finish(&writer,
-                       (struct wire_header){.kind = kind,
-                                            .frame = frame,
-                                            .cause = CAUSE_BOUND_PARAMETERS,
-                                            .charged_bytes = {instance_payload_bound_bytes(instance),
-                                                              8 + 4 * (uint64_t)instance->light_count}});
+    return wire_finish(
+        &writer, (struct wire_header){.kind = kind,
+                                      .frame = frame,
+                                      .cause = CAUSE_BOUND_PARAMETERS,
+                                      .charged_bytes = {instance_payload_bound_bytes(instance),
+                                                        8 + 4 * (uint64_t)instance->light_count}});
 }
 
 bool instance_payload_decode(const struct message *message, struct instance_payload *instance,
@@ -186,8 +197,8 @@ bool instance_payload_decode(const struct message *message, struct instance_payl
     if (instance->spaces >> SHADER_SPACE_COUNT)
         return status_fail(status, STATUS_INVALID, "damaged instance message: coordinate systems");
     instance->bound = wire_get_array(&reader, instance->bound_count, sizeof(float));
-    instance->matrices = wire_get_array(&reader, (uint64_t)__builtin_popcount(instance->spaces) * 32,
-                                        sizeof(float));
+    instance->matrices =
+        wire_get_array(&reader, (uint64_t)__builtin_popcount(instance->spaces) * 32, sizeof(float));
     instance->lights = wire_get_array(&reader, instance->light_count, sizeof(uint32_t));
     instance->given = wire_get(&reader, instance->bound_count);
     return wire_reader_done(&reader, "instance", status);
@@ -205,10 +216,11 @@ struct message *chunk_payload_encode(const struct chunk_payload *chunk, uint32_t
     wire_put(&writer, chunk->positions, v * 3 * sizeof(float));
     wire_put(&writer, chunk->material, v * m * sizeof(float));
     wire_put(&writer, chunk->triangles, t * 3 * sizeof(uint16_t));
-    return wire_finish(&writer, (struct wire_header){.kind = WIRE_CHUNK,
-                                                     .frame = frame,
-                                                     .cause = CAUSE_PRIMITIVES,
-                                                     .charged_bytes = {v * (12 + 4 * m) + 6 * t, 0}});
+    return wire_finish(&writer,
+                       (struct wire_header){.kind = WIRE_CHUNK,
+                                            .frame = frame,
+                                            .cause = CAUSE_PRIMITIVES,
+                                            .charged_bytes = {v * (12 + 4 * m) + 6 * t, 0}});
 }
 
 bool chunk_payload_decode(const struct message *message, struct chunk_payload *chunk,
@@ -224,8 +236,8 @@ bool chunk_payload_decode(const struct message *message, struct chunk_payload *c
         chunk->shader_id == 0 || chunk->shader_id > UINT16_MAX)
         return status_fail(status, STATUS_INVALID, "damaged chunk message: impossible counts");
     chunk->positions = wire_get_array(&reader, chunk->vertex_count, 3 * sizeof(float));
-    chunk->material =
-        wire_get_array(&reader, (uint64_t)chunk->vertex_count * chunk->material_count, sizeof(float));
+    chunk->material = wire_get_array(&reader, (uint64_t)chunk->vertex_count * chunk->material_count,
+                                     sizeof(float));
     chunk->triangles = wire_get_array(&reader, chunk->triangle_count, 3 * sizeof(uint16_t));
     if (!wire_reader_done(&reader, "chunk", status))
         return false;
@@ -242,14 +254,16 @@ struct message *frame_end_encode(const uint64_t bytes[CAUSE_COUNT], uint32_t fra
     return wire_finish(&writer, control_header(WIRE_FRAME_END, frame, 4));
 }
 
-bool frame_end_decode(const struct message *message, uint64_t bytes[CAUSE_COUNT], struct status *status) {
+bool frame_end_decode(const struct message *message, uint64_t bytes[CAUSE_COUNT],
+                      struct status *status) {
     struct wire_reader reader = reader_of(message);
     for (int cause = 0; cause < CAUSE_COUNT; cause++)
         bytes[cause] = wire_get_u64(&reader);
     return wire_reader_done(&reader, "frame end", status);
 }
 
-struct message *empty_regions_encode(uint32_t frame, uint32_t first, uint32_t count, uint32_t sender) {
+struct message *empty_regions_encode(uint32_t frame, uint32_t first, uint32_t count,
+                                     uint32_t sender) {
     struct wire_writer writer = {0};
     wire_put_u32(&writer, count);
     return wire_finish(&writer, (struct wire_header){.kind = WIRE_EMPTY_REGIONS,
@@ -281,7 +295,8 @@ const char *text_decode(const struct message *message, struct status *status) {
     return wire_reader_done(&reader, "text", status) ? text : NULL;
 }
 
-struct message *signal_encode(enum wire_kind kind, uint32_t frame, uint32_t region, uint32_t sender) {
+struct message *signal_encode(enum wire_kind kind, uint32_t frame, uint32_t region,
+                              uint32_t sender) {
     struct message *message = message_create(WIRE_HEADER_BYTES);
     struct wire_header header = control_header(kind, frame, 0);
     header.region = region;

@@ -10,8 +10,9 @@
 
 #include <stdint.h>
 
-/* The payloads of the cluster's messages (netsim/wire.h lists the kinds): one encoder and one decoder each.
- * Decoders check everything their consumers rely on; pointers in decoded structures point into the message. */
+/* The payloads of the cluster's messages (netsim/wire.h lists the kinds): one encoder and one
+ * decoder each. Decoders check everything their consumers rely on; pointers in decoded structures
+ * point into the message. */
 
 /* CONFIGURATION: what every node must know before the first frame. */
 struct configuration {
@@ -22,8 +23,8 @@ struct message *configuration_encode(const struct configuration *configuration);
 bool configuration_decode(const struct message *message, struct configuration *configuration,
                           struct status *status);
 
-/* SHADER: number, name and C source of a shader. Charged: name and number, as PixelFlow links shaders before it
- * starts (PF section 4.1). */
+/* SHADER: number, name and C source of a shader. Charged: name and number, as PixelFlow links
+ * shaders before it starts (PF section 4.1). */
 struct shader_payload {
     uint32_t number;
     const char *name, *c_source;
@@ -34,11 +35,11 @@ bool shader_payload_decode(const struct message *message, struct shader_payload 
 
 /* FRAME_BEGIN: camera and picture of the frame. */
 struct frame_payload {
-    uint32_t width, height; /* pixels */
+    uint32_t width, height;        /* pixels */
     uint32_t samples_x, samples_y; /* per pixel */
     uint32_t is_perspective;
     uint32_t write_png, compression; /* of the picture file: enum image_compression */
-    double screen_window[4]; /* left, right, bottom, top */
+    double screen_window[4];         /* left, right, bottom, top */
     double near_plane, far_plane;
     const char *image_path; /* "" when no image is wanted */
 };
@@ -54,17 +55,22 @@ struct region_grid {
 };
 enum { REGIONS_MAX = 1 << 24 };
 /* Fails with STATUS_LIMIT when the picture has more than REGIONS_MAX regions. */
-bool region_grid_check(const struct frame_payload *frame, const struct machine *machine, struct status *status);
+bool region_grid_check(const struct frame_payload *frame, const struct machine *machine,
+                       struct status *status);
 /* For a frame that was checked. */
-struct region_grid region_grid_make(const struct frame_payload *frame, const struct machine *machine);
+struct region_grid region_grid_make(const struct frame_payload *frame,
+                                    const struct machine *machine);
 /* Sample position of region `k`: column and row of its first sample. */
 void region_grid_origin(const struct region_grid *grid, uint32_t region, uint32_t *x, uint32_t *y);
 /* Where the centre of sample column x (row y) lies on the screen plane. */
-float region_grid_screen_x(const struct region_grid *grid, const struct frame_payload *frame, uint32_t x);
-float region_grid_screen_y(const struct region_grid *grid, const struct frame_payload *frame, uint32_t y);
+float region_grid_screen_x(const struct region_grid *grid, const struct frame_payload *frame,
+                           uint32_t x);
+float region_grid_screen_y(const struct region_grid *grid, const struct frame_payload *frame,
+                           uint32_t y);
 
-/* INSTANCE and LIGHT: a shader with its bound parameters (PF section 4.3). Charged: bound parameters that were
- * given and one matrix for each coordinate system it uses; identity, shader and lights are control. */
+/* INSTANCE and LIGHT: a shader with its bound parameters (PF section 4.3). Charged: bound
+ * parameters that were given and one matrix for each coordinate system it uses; identity, shader
+ * and lights are control. */
 struct instance_payload {
     uint32_t id;     /* instances: the shader ID, from 1; lights: index, from 0 */
     uint32_t shader; /* number of its SHADER message */
@@ -76,15 +82,15 @@ struct instance_payload {
     uint32_t light_count;
     const uint32_t *lights; /* indices, for instances */
 };
-struct message *instance_payload_encode(const struct instance_payload *instance, enum wire_kind kind,
-                                        uint32_t frame);
+struct message *instance_payload_encode(const struct instance_payload *instance,
+                                        enum wire_kind kind, uint32_t frame);
 bool instance_payload_decode(const struct message *message, struct instance_payload *instance,
                              struct status *status);
 /* What a network is charged for the bound parameters of an instance or light. */
 uint64_t instance_payload_bound_bytes(const struct instance_payload *instance);
 
-/* CHUNK: consecutive triangles of one instance, in camera space. Charged: 12 bytes a position, 4 a material
- * float, 6 a triangle. */
+/* CHUNK: consecutive triangles of one instance, in camera space. Charged: 12 bytes a position, 4 a
+ * material float, 6 a triangle. */
 enum { CHUNK_TRIANGLES_MAX = 256, CHUNK_VERTICES_MAX = CHUNK_TRIANGLES_MAX * 3 };
 struct chunk_payload {
     uint32_t number;
@@ -99,15 +105,19 @@ struct message *chunk_payload_encode(const struct chunk_payload *chunk, uint32_t
 bool chunk_payload_decode(const struct message *message, struct chunk_payload *chunk,
                           struct status *status);
 
-/* FRAME_END: all of the frame is sent; what the geometry network was charged, by cause, this message included. */
+/* FRAME_END: all of the frame is sent; what the geometry network was charged, by cause, this
+ * message included. */
 struct message *frame_end_encode(const uint64_t bytes[CAUSE_COUNT], uint32_t frame);
-bool frame_end_decode(const struct message *message, uint64_t bytes[CAUSE_COUNT], struct status *status);
+bool frame_end_decode(const struct message *message, uint64_t bytes[CAUSE_COUNT],
+                      struct status *status);
 
 /* EMPTY_REGIONS: `count` regions from header.region on in which no node so far has anything. */
-struct message *empty_regions_encode(uint32_t frame, uint32_t first, uint32_t count, uint32_t sender);
+struct message *empty_regions_encode(uint32_t frame, uint32_t first, uint32_t count,
+                                     uint32_t sender);
 bool empty_regions_decode(const struct message *message, uint32_t *count, struct status *status);
 
-/* COLOUR: a shaded region, with what it cost. Planes are per covered sample in the order of the runs. */
+/* COLOUR: a shaded region, with what it cost. Planes are per covered sample in the order of the
+ * runs. */
 struct shading_work {
     uint32_t instance; /* shader ID, or one of the marks below */
     uint32_t reserved;
@@ -132,7 +142,8 @@ struct colour_draft {
 };
 struct colour_draft colour_draft_create(const struct region_view *region, uint64_t map_floats,
                                         uint32_t work_count);
-struct message *colour_seal(struct colour_draft *draft, uint32_t frame, uint32_t region, uint32_t sender);
+struct message *colour_seal(struct colour_draft *draft, uint32_t frame, uint32_t region,
+                            uint32_t sender);
 bool colour_open(const struct message *message, uint32_t region_samples, uint32_t rendering_nodes,
                  struct colour_view *view, struct status *status);
 
@@ -162,19 +173,21 @@ struct frame_record {
     uint64_t nan_depths, nan_colours;
     uint32_t rendering_nodes, shading_nodes;
     int64_t *raster_busy_ps, *shading_busy_ps; /* owned; one a node */
-    char image_path[4096]; /* "" when none */
+    char image_path[4096];                     /* "" when none */
 };
 struct message *frame_record_encode(const struct frame_record *record, uint32_t sender);
 bool frame_record_decode(const struct message *message, struct frame_record *record,
                          struct status *status);
 void frame_record_finish(struct frame_record *record);
 
-/* HELLO (endpoint to reach the node's composition input, "" in process) and the text messages WARNING and
- * FAILURE (code in header.region). */
+/* HELLO (endpoint to reach the node's composition input, "" in process) and the text messages
+ * WARNING and FAILURE (code in header.region). */
 struct message *text_encode(enum wire_kind kind, const char *text, uint32_t code, uint32_t frame,
                             uint32_t sender);
-const char *text_decode(const struct message *message, struct status *status); /* NULL when damaged */
+const char *text_decode(const struct message *message,
+                        struct status *status); /* NULL when damaged */
 /* PROGRESS, QUIT, READY: header only. */
-struct message *signal_encode(enum wire_kind kind, uint32_t frame, uint32_t region, uint32_t sender);
+struct message *signal_encode(enum wire_kind kind, uint32_t frame, uint32_t region,
+                              uint32_t sender);
 
 #endif

@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-/* Payload of COLOUR: fixed head, raster work, shading work, runs, depth, three colour planes, shader IDs. */
+/* Payload of COLOUR: fixed head, raster work, shading work, runs, depth, three colour planes,
+ * shader IDs. */
 struct colour_head {
     struct region_head region;
     uint32_t shading_work_count;
@@ -17,8 +18,8 @@ static size_t shader_bytes(uint32_t samples) {
 
 struct colour_draft colour_draft_create(const struct region_view *region, uint64_t map_floats,
                                         uint32_t work_count) {
-    struct colour_head head = {.region = region->head, .shading_work_count = work_count,
-                               .map_floats = map_floats};
+    struct colour_head head = {
+        .region = region->head, .shading_work_count = work_count, .map_floats = map_floats};
     head.region.slots = 0;
     const uint32_t samples = region->head.sample_count;
     const size_t raster_bytes = region->head.work_count * sizeof *region->work;
@@ -26,8 +27,8 @@ struct colour_draft colour_draft_create(const struct region_view *region, uint64
     const size_t plane_bytes = (size_t)samples * sizeof(float);
     struct colour_draft draft = {
         .message = message_create(WIRE_HEADER_BYTES + sizeof head + raster_bytes +
-                                  work_count * sizeof(struct shading_work) + run_bytes + 4 * plane_bytes +
-                                  shader_bytes(samples))};
+                                  work_count * sizeof(struct shading_work) + run_bytes +
+                                  4 * plane_bytes + shader_bytes(samples))};
     uint8_t *at = draft.message->bytes + WIRE_HEADER_BYTES;
     draft.work = (struct shading_work *)(at + sizeof head);
     const struct {
@@ -52,7 +53,8 @@ struct colour_draft colour_draft_create(const struct region_view *region, uint64
     return draft;
 }
 
-struct message *colour_seal(struct colour_draft *draft, uint32_t frame, uint32_t region, uint32_t sender) {
+struct message *colour_seal(struct colour_draft *draft, uint32_t frame, uint32_t region,
+                            uint32_t sender) {
     struct message *message = draft->message;
     wire_seal(message, (struct wire_header){.kind = WIRE_COLOUR,
                                             .frame = frame,
@@ -70,8 +72,10 @@ bool colour_open(const struct message *message, uint32_t region_samples, uint32_
     struct wire_reader reader = wire_payload(message->bytes, message->length);
     const struct colour_head *head = wire_get(&reader, sizeof *head);
     if (!head || head->region.sample_count > region_samples ||
-        head->region.run_count > head->region.sample_count || head->region.work_count > rendering_nodes)
-        return status_fail(status, STATUS_INVALID, "damaged shaded region message: impossible counts");
+        head->region.run_count > head->region.sample_count ||
+        head->region.work_count > rendering_nodes)
+        return status_fail(status, STATUS_INVALID,
+                           "damaged shaded region message: impossible counts");
     *view = (struct colour_view){.head = head->region, .map_floats = head->map_floats};
     view->shading_work_count = head->shading_work_count;
     view->shading_work =
@@ -93,7 +97,8 @@ bool colour_open(const struct message *message, uint32_t region_samples, uint32_
     }
     for (uint32_t i = 0; i < view->head.work_count; i++)
         if (view->work[i].node >= rendering_nodes)
-            return status_fail(status, STATUS_INVALID, "damaged shaded region message: node number");
+            return status_fail(status, STATUS_INVALID,
+                               "damaged shaded region message: node number");
     if (next > region_samples || total != view->head.sample_count)
         return status_fail(status, STATUS_INVALID, "damaged shaded region message: runs");
     return true;

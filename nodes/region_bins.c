@@ -36,7 +36,8 @@ static void rectangle_add(struct rectangle *r, const struct region_bins *bins,
     r->y1 = fmax(r->y1, y);
 }
 
-/* The screen rectangle of the part of the triangle behind the near plane; false when there is none. */
+/* The screen rectangle of the part of the triangle behind the near plane; false when there is none.
+ */
 static bool screen_rectangle(const struct region_bins *bins, const struct frame_payload *frame,
                              const float *const v[3], struct rectangle *r) {
     const double clip = frame->is_perspective ? fmax(frame->near_plane, 1e-30) : frame->near_plane;
@@ -53,8 +54,8 @@ static bool screen_rectangle(const struct region_bins *bins, const struct frame_
         if ((a[2] >= clip) != (b[2] >= clip)) {
             double f = (clip - a[2]) / ((double)b[2] - a[2]);
             rectangle_add(r, bins, frame,
-                          (double[3]){a[0] + f * ((double)b[0] - a[0]), a[1] + f * ((double)b[1] - a[1]),
-                                      clip});
+                          (double[3]){a[0] + f * ((double)b[0] - a[0]),
+                                      a[1] + f * ((double)b[1] - a[1]), clip});
             any = true;
         }
     }
@@ -63,15 +64,16 @@ static bool screen_rectangle(const struct region_bins *bins, const struct frame_
 
 static struct region_bin *bin_at(struct region_bins *bins, uint32_t region) {
     if (!bins->bins[region])
-        bins->bins[region] = memory_get(1, sizeof(struct region_bin) + (size_t)bins->tile_rows *
-                                                                           bins->tile_words *
-                                                                           sizeof(uint64_t));
+        bins->bins[region] =
+            memory_get(1, sizeof(struct region_bin) +
+                              (size_t)bins->tile_rows * bins->tile_words * sizeof(uint64_t));
     return bins->bins[region];
 }
 
-/* Sets the tiles of one region between two sample columns and rows (relative to the region, inclusive). */
-static void mark_tiles(const struct region_bins *bins, struct region_bin *bin, uint32_t x0, uint32_t x1,
-                       uint32_t y0, uint32_t y1) {
+/* Sets the tiles of one region between two sample columns and rows (relative to the region,
+ * inclusive). */
+static void mark_tiles(const struct region_bins *bins, struct region_bin *bin, uint32_t x0,
+                       uint32_t x1, uint32_t y0, uint32_t y1) {
     uint32_t first = x0 / TILE_SAMPLES, last = x1 / TILE_SAMPLES;
     for (uint32_t row = y0 / TILE_SAMPLES; row <= y1 / TILE_SAMPLES; row++) {
         uint64_t *words = bin->tiles + (size_t)row * bins->tile_words;
@@ -94,10 +96,11 @@ void region_bins_add(struct region_bins *bins, const struct frame_payload *frame
     struct rectangle r;
     if (!screen_rectangle(bins, frame, v, &r))
         return;
-    /* a margin for the rounding of positions and of Embree's edges: a hundredth of a sample, and 2^-20 of the
-     * picture for very large ones */
-    const double margin = 0.01 + 0x1p-20 * (grid->samples_wide > grid->samples_high ? grid->samples_wide
-                                                                                      : grid->samples_high);
+    /* a margin for the rounding of positions and of Embree's edges: a hundredth of a sample, and
+     * 2^-20 of the picture for very large ones */
+    const double margin =
+        0.01 + 0x1p-20 * (grid->samples_wide > grid->samples_high ? grid->samples_wide
+                                                                  : grid->samples_high);
     r.x0 -= margin, r.x1 += margin, r.y0 -= margin, r.y1 += margin;
     if (!(r.x1 >= -0.5 && r.y1 >= -0.5 && r.x0 <= grid->samples_wide - 0.5 &&
           r.y0 <= grid->samples_high - 0.5))
@@ -109,8 +112,10 @@ void region_bins_add(struct region_bins *bins, const struct frame_payload *frame
     /* sample centres inside the rectangle; none when it falls between two columns or rows */
     const double low_x = ceil(r.x0), high_x = floor(r.x1), low_y = ceil(r.y0), high_y = floor(r.y1);
     const bool has_samples = low_x <= high_x && low_y <= high_y;
-    const uint32_t x0 = clamp_index(low_x, grid->samples_wide), x1 = clamp_index(high_x, grid->samples_wide),
-                   y0 = clamp_index(low_y, grid->samples_high), y1 = clamp_index(high_y, grid->samples_high);
+    const uint32_t x0 = clamp_index(low_x, grid->samples_wide),
+                   x1 = clamp_index(high_x, grid->samples_wide),
+                   y0 = clamp_index(low_y, grid->samples_high),
+                   y1 = clamp_index(high_y, grid->samples_high);
     const uint32_t w = grid->region_width, h = grid->region_height;
     for (uint32_t row = touch_y0 / h; row <= touch_y1 / h; row++)
         for (uint32_t column = touch_x0 / w; column <= touch_x1 / w; column++) {

@@ -6,8 +6,8 @@
 
 #include <stdint.h>
 
-/* Which regions a node's triangles fall into, and within a region which tiles of 4 x 4 samples: rays are cast
- * only there, and a region without a bin costs nothing (contract C4). */
+/* Which regions a node's triangles fall into, and within a region which tiles of 4 x 4 samples:
+ * rays are cast only there, and a region without a bin costs nothing (contract C4). */
 
 enum { TILE_SAMPLES = 4 }; /* each way: 16 rays, one Embree packet */
 
@@ -24,8 +24,8 @@ struct region_bins {
 
 void region_bins_init(struct region_bins *bins, const struct region_grid *grid);
 void region_bins_finish(struct region_bins *bins);
-/* Adds a triangle given in camera space. Parts in front of the near plane are cut off first; coordinates that are
- * not finite are ignored. */
+/* Adds a triangle given in camera space. Parts in front of the near plane are cut off first;
+ * coordinates that are not finite are ignored. */
 void region_bins_add(struct region_bins *bins, const struct frame_payload *frame, const float *v0,
                      const float *v1, const float *v2);
 

@@ -57,7 +57,8 @@ static void slot_finish(struct frame_slot *slot) {
 
 static void queue_push(struct rendering_node *self, struct pending pending) {
     if (self->queue_first && self->queue_first + self->queue_count == self->queue_capacity) {
-        memmove(self->queue, self->queue + self->queue_first, self->queue_count * sizeof *self->queue);
+        memmove(self->queue, self->queue + self->queue_first,
+                self->queue_count * sizeof *self->queue);
         self->queue_first = 0;
     }
     self->queue = memory_grow(self->queue, &self->queue_capacity,
@@ -91,16 +92,16 @@ static bool begin_frame(struct rendering_node *self, const struct node_event *ev
     slot->is_begun = true;
     slot->index = event->header.frame;
     slot->grid = region_grid_make(&slot->frame, &self->configuration.machine);
-    const double view[] = {slot->frame.screen_window[0], slot->frame.screen_window[1],
-                           slot->frame.screen_window[2], slot->frame.screen_window[3],
-                           slot->frame.near_plane,       slot->frame.far_plane,
-                           slot->grid.samples_wide,      slot->grid.samples_high,
-                           slot->frame.is_perspective};
+    const double view[] = {
+        slot->frame.screen_window[0], slot->frame.screen_window[1], slot->frame.screen_window[2],
+        slot->frame.screen_window[3], slot->frame.near_plane,       slot->frame.far_plane,
+        slot->grid.samples_wide,      slot->grid.samples_high,      slot->frame.is_perspective};
     slot->content = hash_bytes(view, sizeof view, 0);
     return true;
 }
 
-static bool add_chunk(struct rendering_node *self, const struct node_event *event, struct status *status) {
+static bool add_chunk(struct rendering_node *self, const struct node_event *event,
+                      struct status *status) {
     struct frame_slot *slot = slot_of(self, event->header.frame);
     if (!slot->is_begun || slot->index != event->header.frame)
         return status_fail(status, STATUS_INTERNAL, "chunk of frame %u outside its frame",
@@ -119,7 +120,8 @@ static bool add_chunk(struct rendering_node *self, const struct node_event *even
     return true;
 }
 
-static bool end_frame(struct rendering_node *self, const struct node_event *event, struct status *status) {
+static bool end_frame(struct rendering_node *self, const struct node_event *event,
+                      struct status *status) {
     struct frame_slot *slot = slot_of(self, event->header.frame);
     if (!slot->is_begun || slot->index != event->header.frame)
         return status_fail(status, STATUS_INTERNAL, "frame %u ends before it begins",
@@ -133,7 +135,8 @@ static bool end_frame(struct rendering_node *self, const struct node_event *even
 
 static bool accept_upstream(struct rendering_node *self, const struct node_event *event,
                             struct status *status) {
-    struct pending pending = {.frame = event->header.frame, .region = event->header.region, .count = 1};
+    struct pending pending = {
+        .frame = event->header.frame, .region = event->header.region, .count = 1};
     if (event->header.kind == WIRE_EMPTY_REGIONS) {
         if (!empty_regions_decode(event->message, &pending.count, status))
             return false;
@@ -144,8 +147,8 @@ static bool accept_upstream(struct rendering_node *self, const struct node_event
     return true;
 }
 
-/* The scene of the frame at the head of the queue; built once, and kept over frames whose geometry is the
- * same, byte for byte. */
+/* The scene of the frame at the head of the queue; built once, and kept over frames whose geometry
+ * is the same, byte for byte. */
 static bool prepare_visibility(struct rendering_node *self, struct frame_slot *slot,
                                struct status *status) {
     if (self->visibility && slot->content == self->visibility_content)
@@ -153,8 +156,8 @@ static bool prepare_visibility(struct rendering_node *self, struct frame_slot *s
     visibility_destroy(self->visibility);
     self->visibility = NULL;
     slot_finish(&self->kept);
-    if (!visibility_create(self->device, &slot->frame, &slot->grid, slot->chunks, slot->message_count,
-                           &self->visibility, status))
+    if (!visibility_create(self->device, &slot->frame, &slot->grid, slot->chunks,
+                           slot->message_count, &self->visibility, status))
         return false;
     self->visibility_content = slot->content;
     trace_line(self->node.trace, "frame %u: scene built", slot->index);
@@ -180,8 +183,8 @@ static void send_empty(struct rendering_node *self, uint32_t frame, uint32_t fir
               empty_regions_encode(frame, first, count, node_address_pack(self->node.address)));
 }
 
-/* Downstream: the next rendering node; from the last one the shading node of the region, or straight the
- * framebuffer node when there is nothing to shade. */
+/* Downstream: the next rendering node; from the last one the shading node of the region, or
+ * straight the framebuffer node when there is nothing to shade. */
 static void send_region(struct rendering_node *self, uint32_t region, struct message *message,
                         uint32_t sample_count, struct node_outputs *outputs) {
     const uint32_t index = self->node.address.index;
@@ -200,7 +203,8 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
     struct region_view upstream = {0}, own;
     if (!has_own) { /* passed on as it came */
         send_region(self, pending->region, message_hold(pending->message),
-                    region_sample_count(pending->message->bytes, pending->message->length), outputs);
+                    region_sample_count(pending->message->bytes, pending->message->length),
+                    outputs);
         return true;
     }
     if (pending->message &&
@@ -225,11 +229,13 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
 }
 
 /* Takes the queue's head as far as the next region that carries anything. */
-static bool advance(struct rendering_node *self, struct node_outputs *outputs, struct status *status) {
+static bool advance(struct rendering_node *self, struct node_outputs *outputs,
+                    struct status *status) {
     struct pending *head = &self->queue[self->queue_first];
     struct frame_slot *slot = slot_of(self, head->frame);
     if (head->count > slot->grid.count || head->region > slot->grid.count - head->count)
-        return status_fail(status, STATUS_INVALID, "frame %u has no region %u", head->frame, head->region);
+        return status_fail(status, STATUS_INVALID, "frame %u has no region %u", head->frame,
+                           head->region);
     if (!prepare_visibility(self, slot, status))
         return status_prefix(status, "frame %u", head->frame);
     const struct region_bins *bins = visibility_bins(self->visibility);

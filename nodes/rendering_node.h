@@ -4,8 +4,8 @@
 
 #include "nodes/node.h"
 
-/* A rendering node: keeps its chunks of a frame, and as regions come down the chain (the first node begins
- * them) renders its part of each and sends the nearer samples on (PF section 5.1). */
+/* A rendering node: keeps its chunks of a frame, and as regions come down the chain (the first node
+ * begins them) renders its part of each and sends the nearer samples on (PF section 5.1). */
 struct visibility_device;
 
 /* `device` is shared by the nodes of one process and outlives them. */

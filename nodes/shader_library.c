@@ -23,7 +23,8 @@ struct shader_library {
     int warned;
 };
 
-struct shader_library *shader_library_create(const char *const *folders, int folder_count, bool fast_math) {
+struct shader_library *shader_library_create(const char *const *folders, int folder_count,
+                                             bool fast_math) {
     struct shader_library *library = memory_get(1, sizeof *library);
     library->folders = memory_get((size_t)folder_count, sizeof *library->folders);
     for (int i = 0; i < folder_count; i++)
@@ -48,7 +49,8 @@ void shader_library_destroy(struct shader_library *library) {
     free(library);
 }
 
-static FILE *open_named(const struct shader_library *library, const char *name, char path[PATH_BYTES]) {
+static FILE *open_named(const struct shader_library *library, const char *name,
+                        char path[PATH_BYTES]) {
     const size_t length = strlen(name);
     const char *suffix = length > 3 && !strcmp(name + length - 3, ".sl") ? "" : ".sl";
     if (name[0] == '/') {
@@ -65,7 +67,8 @@ static FILE *open_named(const struct shader_library *library, const char *name, 
 }
 
 /* The standard's names of its light shaders ("distantlight") also find ours ("distant"). */
-static FILE *open_source(const struct shader_library *library, const char *name, char path[PATH_BYTES]) {
+static FILE *open_source(const struct shader_library *library, const char *name,
+                         char path[PATH_BYTES]) {
     static const char suffix[] = "light";
     FILE *file = open_named(library, name, path);
     const size_t length = strlen(name), cut = sizeof suffix - 1;
@@ -83,11 +86,13 @@ static bool not_found(const struct shader_library *library, const char *name,
         size_t used = strlen(folders);
         snprintf(folders + used, sizeof folders - used, "%s%s", i ? ", " : "", library->folders[i]);
     }
-    return status_fail(status, STATUS_NOT_FOUND, "%s:%d:%d: error: there is no shader \"%s\" (looked for %s.sl in %s)",
+    return status_fail(status, STATUS_NOT_FOUND,
+                       "%s:%d:%d: error: there is no shader \"%s\" (looked for %s.sl in %s)",
                        at->file ? at->file : "scene", at->line, at->column, name, name, folders);
 }
 
-/* Files that the shader being compiled includes: looked for next to the shader, then in the library's folders. */
+/* Files that the shader being compiled includes: looked for next to the shader, then in the
+ * library's folders. */
 struct included {
     const struct shader_library *library;
     const char *shader_path;
@@ -110,7 +115,8 @@ static FILE *open_included(const struct included *included, const char *name) {
     return file;
 }
 
-/* shader_compile_options.read_include; one byte more than the limit is read so that the compiler sees it exceeded. */
+/* shader_compile_options.read_include; one byte more than the limit is read so that the compiler
+ * sees it exceeded. */
 static const char *read_included(void *context, const char *name, size_t *length) {
     struct included *included = context;
     FILE *file = open_included(included, name);
@@ -120,15 +126,15 @@ static const char *read_included(void *context, const char *name, size_t *length
     *length = fread(text, 1, SOURCE_BYTES_MAX + 1, file);
     const bool is_read = !ferror(file);
     fclose(file);
-    included->texts =
-        memory_grow(included->texts, &included->capacity, included->count + 1, sizeof *included->texts);
+    included->texts = memory_grow(included->texts, &included->capacity, included->count + 1,
+                                  sizeof *included->texts);
     included->texts[included->count++] = text;
     return is_read ? text : NULL;
 }
 
 static bool compile(struct shader_library *library, const char *name, const char *const *material,
-                    int material_count, const struct scene_location *at, struct shader_program **program,
-                    struct status *status) {
+                    int material_count, const struct scene_location *at,
+                    struct shader_program **program, struct status *status) {
     char path[PATH_BYTES];
     FILE *file = open_source(library, name, path);
     if (!file)
@@ -170,11 +176,13 @@ static char *variant_key(const char *name, const char **material, int count) {
     return key;
 }
 
-static bool check_kind(const struct shader_program *program, const char *name, enum shader_kind kind,
-                       const struct scene_location *at, struct status *status) {
+static bool check_kind(const struct shader_program *program, const char *name,
+                       enum shader_kind kind, const struct scene_location *at,
+                       struct status *status) {
     if (program->kind == kind)
         return true;
-    return status_fail(status, STATUS_INVALID, "%s:%d:%d: error: \"%s\" is a %s shader, a %s shader is needed here",
+    return status_fail(status, STATUS_INVALID,
+                       "%s:%d:%d: error: \"%s\" is a %s shader, a %s shader is needed here",
                        at->file ? at->file : "scene", at->line, at->column, name,
                        program->kind == SHADER_KIND_LIGHT ? "light" : "surface",
                        kind == SHADER_KIND_LIGHT ? "light" : "surface");
@@ -182,8 +190,8 @@ static bool check_kind(const struct shader_program *program, const char *name, e
 
 bool shader_library_variant(struct shader_library *library, const char *name, enum shader_kind kind,
                             const char *const *material, int material_count,
-                            const struct scene_location *asked_at, const struct shader_variant **variant,
-                            struct status *status) {
+                            const struct scene_location *asked_at,
+                            const struct shader_variant **variant, struct status *status) {
     const char **sorted = memory_get((size_t)material_count, sizeof *sorted);
     if (material_count)
         memcpy(sorted, material, (size_t)material_count * sizeof *sorted);
@@ -215,13 +223,15 @@ uint32_t shader_library_count(const struct shader_library *library) {
     return (uint32_t)library->count;
 }
 
-const struct shader_variant *shader_library_at(const struct shader_library *library, uint32_t number) {
+const struct shader_variant *shader_library_at(const struct shader_library *library,
+                                               uint32_t number) {
     return &library->entries[number]->variant;
 }
 
 const char *shader_library_warning(struct shader_library *library) {
     for (; library->warned_entry < library->count; library->warned_entry++, library->warned = 0) {
-        const struct shader_program *program = library->entries[library->warned_entry]->variant.program;
+        const struct shader_program *program =
+            library->entries[library->warned_entry]->variant.program;
         if (library->warned < program->warning_count)
             return program->warnings[library->warned++];
     }

@@ -6,9 +6,9 @@
 #include "scenes/scene.h"
 #include "shaders/compiler/shader_compile.h"
 
-/* Shader sources found by name and compiled to C once per variant. A variant is a shader with a choice of which
- * parameters come with the primitives: "a parameter may be bound in one instance and material in another"
- * (PF section 6.2.2). */
+/* Shader sources found by name and compiled to C once per variant. A variant is a shader with a
+ * choice of which parameters come with the primitives: "a parameter may be bound in one instance
+ * and material in another" (PF section 6.2.2). */
 struct shader_library;
 
 struct shader_variant {
@@ -17,17 +17,19 @@ struct shader_variant {
 };
 
 /* `folders`: where NAME.sl is looked for, in order; copied. */
-struct shader_library *shader_library_create(const char *const *folders, int folder_count, bool fast_math);
+struct shader_library *shader_library_create(const char *const *folders, int folder_count,
+                                             bool fast_math);
 void shader_library_destroy(struct shader_library *library);
 
-/* Finds or compiles; `material` lists names of primitive variables (sorted here; unknown ones do not matter).
- * Errors name the place in the scene that asked, or the shader's own line. */
+/* Finds or compiles; `material` lists names of primitive variables (sorted here; unknown ones do
+ * not matter). Errors name the place in the scene that asked, or the shader's own line. */
 bool shader_library_variant(struct shader_library *library, const char *name, enum shader_kind kind,
                             const char *const *material, int material_count,
-                            const struct scene_location *asked_at, const struct shader_variant **variant,
-                            struct status *status);
+                            const struct scene_location *asked_at,
+                            const struct shader_variant **variant, struct status *status);
 uint32_t shader_library_count(const struct shader_library *library);
-const struct shader_variant *shader_library_at(const struct shader_library *library, uint32_t number);
+const struct shader_variant *shader_library_at(const struct shader_library *library,
+                                               uint32_t number);
 /* Warnings of compilations since the last call; NULL when there is none left. */
 const char *shader_library_warning(struct shader_library *library);
 

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool shader_table_announce(struct shader_table *table, struct message *message, struct status *status) {
+bool shader_table_announce(struct shader_table *table, struct message *message,
+                           struct status *status) {
     struct announced_shader shader = {0};
     if (!shader_payload_decode(message, &shader.payload, status))
         return false;
@@ -30,9 +31,9 @@ static bool table_module(struct shader_table *table, uint32_t number,
     if (number >= table->count)
         return status_fail(status, STATUS_INVALID, "shader %u was never announced", number);
     struct announced_shader *shader = &table->shaders[number];
-    if (!shader->module && !table->services->load_shader(table->services->context, shader->payload.name,
-                                                         shader->payload.c_source, &shader->module,
-                                                         status))
+    if (!shader->module &&
+        !table->services->load_shader(table->services->context, shader->payload.name,
+                                      shader->payload.c_source, &shader->module, status))
         return false;
     *module = shader->module;
     return true;
@@ -78,7 +79,8 @@ static void load_matrices(struct prepared_shader *prepared) {
     for (int space = 0; space < SHADER_SPACE_COUNT; space++) {
         const bool is_sent = prepared->payload.spaces >> space & 1;
         memcpy(prepared->matrices->to_camera[space], is_sent ? next : identity, sizeof identity);
-        memcpy(prepared->matrices->from_camera[space], is_sent ? next + 16 : identity, sizeof identity);
+        memcpy(prepared->matrices->from_camera[space], is_sent ? next + 16 : identity,
+               sizeof identity);
         next += is_sent ? 32 : 0;
     }
 }
@@ -104,7 +106,8 @@ static bool prepare(struct prepared_shader *prepared, struct shader_table *table
     return true;
 }
 
-/* The lights of an instance as its shader meets them; lights themselves are prepared on first use. */
+/* The lights of an instance as its shader meets them; lights themselves are prepared on first use.
+ */
 static bool connect_lights(struct shading_frame *frame, struct shader_table *table,
                            struct prepared_shader *instance, struct status *status) {
     const int count = instance->module->uses_lights ? (int)instance->payload.light_count : 0;
@@ -124,8 +127,9 @@ static bool connect_lights(struct shading_frame *frame, struct shader_table *tab
     return true;
 }
 
-bool shading_frame_instance(struct shading_frame *frame, struct shader_table *table, uint32_t shader_id,
-                            struct prepared_shader **out, struct status *status) {
+bool shading_frame_instance(struct shading_frame *frame, struct shader_table *table,
+                            uint32_t shader_id, struct prepared_shader **out,
+                            struct status *status) {
     if (!shader_id || shader_id > frame->instance_count)
         return status_fail(status, STATUS_INVALID, "shader ID %u, but the frame has %zu instances",
                            shader_id, frame->instance_count);
@@ -144,8 +148,8 @@ static bool same_payload(const struct prepared_shader *a, const struct prepared_
                    a->message->length - WIRE_HEADER_BYTES);
 }
 
-static size_t inherit(struct prepared_shader *fresh, size_t fresh_count, struct prepared_shader *old,
-                      size_t old_count) {
+static size_t inherit(struct prepared_shader *fresh, size_t fresh_count,
+                      struct prepared_shader *old, size_t old_count) {
     size_t kept = 0;
     for (size_t i = 0; i < fresh_count && i < old_count; i++) {
         if (fresh[i].module || !old[i].module || !same_payload(&fresh[i], &old[i]))

@@ -5,8 +5,9 @@
 #include "nodes/execution_counts.h"
 #include "nodes/protocol.h"
 
-/* The shader instances and lights of one frame on a shading node, made ready when a region first needs them
- * (contract C4), and kept from frame to frame while their bound parameters stay the same (PF section 6.1.6). */
+/* The shader instances and lights of one frame on a shading node, made ready when a region first
+ * needs them (contract C4), and kept from frame to frame while their bound parameters stay the same
+ * (PF section 6.1.6). */
 
 /* All shaders the host announced, loaded on first use. */
 struct shader_table {
@@ -15,11 +16,12 @@ struct shader_table {
         struct message *message;
         struct shader_payload payload;
         const struct shader_module *module;
-    } *shaders;
+    } * shaders;
     size_t count, capacity;
 };
 
-bool shader_table_announce(struct shader_table *table, struct message *message, struct status *status);
+bool shader_table_announce(struct shader_table *table, struct message *message,
+                           struct status *status);
 void shader_table_finish(struct shader_table *table);
 
 /* An instance or light with its uniform code run. */
@@ -49,10 +51,13 @@ struct shading_frame {
 
 bool shading_frame_add(struct shading_frame *frame, struct message *message, enum wire_kind kind,
                        struct status *status);
-/* The instance with this shader ID, ready to shade; fails when there is none or its shader does not load. */
-bool shading_frame_instance(struct shading_frame *frame, struct shader_table *table, uint32_t shader_id,
-                            struct prepared_shader **instance, struct status *status);
-/* Moves what is the same in both frames from `old` to `fresh`; returns how many prepared shaders were kept. */
+/* The instance with this shader ID, ready to shade; fails when there is none or its shader does not
+ * load. */
+bool shading_frame_instance(struct shading_frame *frame, struct shader_table *table,
+                            uint32_t shader_id, struct prepared_shader **instance,
+                            struct status *status);
+/* Moves what is the same in both frames from `old` to `fresh`; returns how many prepared shaders
+ * were kept. */
 size_t shading_frame_inherit(struct shading_frame *fresh, struct shading_frame *old);
 void shading_frame_finish(struct shading_frame *frame);
 

@@ -10,14 +10,15 @@
 
 enum {
     SHADING_FRAMES = 2,
-    BATCH_SAMPLES = 512, /* shaded at a time: all their planes stay in the first or second level cache */
+    BATCH_SAMPLES =
+        512, /* shaded at a time: all their planes stay in the first or second level cache */
     PLANE_ALIGNMENT = 64,
 };
 
 /* Planes of one batch, gathered from the region. */
 struct batch {
     size_t material_capacity;
-    float *memory;          /* material planes, then the fixed planes below */
+    float *memory; /* material planes, then the fixed planes below */
     const float **material;
     float *position[3], *incident[3], *color[3], *opacity[3];
     size_t light_capacity;
@@ -31,11 +32,12 @@ struct shading_node {
     struct configuration configuration;
     struct shader_table shaders;
     struct shading_frame frames[SHADING_FRAMES];
-    struct shading_frame retired[SHADING_FRAMES]; /* over, kept for what the next frame in the slot shares */
+    struct shading_frame
+        retired[SHADING_FRAMES]; /* over, kept for what the next frame in the slot shares */
     struct pending_region {
         struct message *message;
         struct wire_header header;
-    } *queue;
+    } * queue;
     size_t queue_first, queue_count, queue_capacity;
     struct batch batch;
     /* scratch for one region */
@@ -86,7 +88,8 @@ static void batch_reserve(struct batch *batch, size_t material_count, size_t lig
     }
 }
 
-/* Copies the batch's samples out of a plane of the region; the last one is repeated up to a whole vector. */
+/* Copies the batch's samples out of a plane of the region; the last one is repeated up to a whole
+ * vector. */
 static void gather(float *restrict out, const float *restrict plane, const uint32_t *restrict order,
                    size_t count, size_t padded) {
     if (order[count - 1] - order[0] == count - 1) /* neighbours: ascending within an instance */
@@ -98,7 +101,8 @@ static void gather(float *restrict out, const float *restrict plane, const uint3
         out[k] = out[count - 1];
 }
 
-/* Pre-shade (PF section 6.1.5.2): position and incident direction from depth and place on the screen. */
+/* Pre-shade (PF section 6.1.5.2): position and incident direction from depth and place on the
+ * screen. */
 static void rebuild_positions(struct shading_node *self, const struct shading_frame *frame,
                               const struct region_view *region, const uint32_t *order, size_t count,
                               size_t padded) {
@@ -130,8 +134,8 @@ static int shade_batch(struct shading_node *self, const struct shading_frame *fr
     struct batch *batch = &self->batch;
     const size_t width = module->width, padded = (count + width - 1) / width * width;
     for (int p = 0; p < module->material_count; p++)
-        gather((float *)batch->material[p], region->slots + (size_t)p * region->head.sample_count, order,
-               count, padded);
+        gather((float *)batch->material[p], region->slots + (size_t)p * region->head.sample_count,
+               order, count, padded);
     rebuild_positions(self, frame, region, order, count, padded);
     struct shader_call call = {
         .count = count,
@@ -181,8 +185,8 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
     }
 }
 
-/* Sorts the covered samples by shader ID, keeping their order within each, and finds where each lies. Returns
- * the number of IDs present, at most `ids_max`, listed with their counts in `ids`. */
+/* Sorts the covered samples by shader ID, keeping their order within each, and finds where each
+ * lies. Returns the number of IDs present, at most `ids_max`, listed with their counts in `ids`. */
 struct id_range {
     uint32_t id, first, count;
 };
@@ -193,7 +197,8 @@ static size_t sort_samples(struct shading_node *self, const struct region_view *
     size_t count = 0, capacity = 0;
     *ranges = NULL;
     static const uint32_t none = UINT32_MAX;
-    uint32_t *range_of = memory_get(65536, sizeof *range_of); /* calloc: pages of unused IDs cost nothing */
+    uint32_t *range_of =
+        memory_get(65536, sizeof *range_of); /* calloc: pages of unused IDs cost nothing */
     for (uint32_t i = 0; i < samples; i++) {
         uint32_t *range = &range_of[region->shader[i]];
         if (!*range) {
@@ -240,7 +245,8 @@ static void prepare_scratch(struct shading_node *self, const struct shading_fram
 }
 
 /* Marks the lights that shine on any of the instances, for a new region; returns how many. */
-static uint32_t begin_lights(struct shading_frame *frame, struct prepared_shader **instances, size_t count) {
+static uint32_t begin_lights(struct shading_frame *frame, struct prepared_shader **instances,
+                             size_t count) {
     uint32_t lights = 0;
     for (size_t i = 0; i < count; i++)
         for (int l = 0; l < instances[i]->light_count; l++) {
@@ -254,7 +260,8 @@ static uint32_t begin_lights(struct shading_frame *frame, struct prepared_shader
     return lights;
 }
 
-/* What the array is charged for this region: position reconstruction once, each light once, each instance. */
+/* What the array is charged for this region: position reconstruction once, each light once, each
+ * instance. */
 static void collect_work(struct shading_frame *frame, struct prepared_shader **instances,
                          size_t instance_count, struct shading_work *work) {
     work->instance = SHADING_WORK_SHARED;
@@ -275,14 +282,15 @@ static void collect_work(struct shading_frame *frame, struct prepared_shader **i
 }
 
 static bool find_instances(struct shading_node *self, struct shading_frame *frame,
-                           const struct region_view *region, const struct id_range *ranges, size_t count,
-                           struct prepared_shader **instances, struct status *status) {
+                           const struct region_view *region, const struct id_range *ranges,
+                           size_t count, struct prepared_shader **instances,
+                           struct status *status) {
     for (size_t r = 0; r < count; r++) {
         if (!shading_frame_instance(frame, &self->shaders, ranges[r].id, &instances[r], status))
             return false;
         if ((uint32_t)instances[r]->module->material_count > region->head.slots)
-            return status_fail(status, STATUS_INVALID, "samples of instance %u carry too few parameters",
-                               ranges[r].id);
+            return status_fail(status, STATUS_INVALID,
+                               "samples of instance %u carry too few parameters", ranges[r].id);
     }
     return true;
 }
@@ -294,8 +302,8 @@ static bool shade_region(struct shading_node *self, struct message *message,
     struct region_view region;
     if (header->region >= frame->grid.count)
         return status_fail(status, STATUS_INVALID, "there is no such region");
-    if (!region_open(message->bytes, message->length, frame->grid.region_width * frame->grid.region_height,
-                     &region, status))
+    if (!region_open(message->bytes, message->length,
+                     frame->grid.region_width * frame->grid.region_height, &region, status))
         return false;
     prepare_scratch(self, frame, header->region);
     struct id_range *ranges;
@@ -306,7 +314,8 @@ static bool shade_region(struct shading_node *self, struct message *message,
         const uint32_t lights = begin_lights(frame, instances, count);
         uint64_t map_floats = 0;
         for (size_t r = 0; r < count; r++)
-            map_floats += (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_count;
+            map_floats +=
+                (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_count;
         struct colour_draft draft =
             colour_draft_create(&region, map_floats, 1 + lights + (uint32_t)count);
         for (size_t r = 0; r < count; r++)
@@ -322,7 +331,8 @@ static bool shade_region(struct shading_node *self, struct message *message,
     return ok;
 }
 
-static bool begin_frame(struct shading_node *self, const struct node_event *event, struct status *status) {
+static bool begin_frame(struct shading_node *self, const struct node_event *event,
+                        struct status *status) {
     struct shading_frame *frame = frame_of(self, event->header.frame);
     struct shading_frame *retired = &self->retired[event->header.frame % SHADING_FRAMES];
     if (!self->is_configured)
@@ -339,7 +349,8 @@ static bool begin_frame(struct shading_node *self, const struct node_event *even
     return true;
 }
 
-static bool end_frame(struct shading_node *self, const struct node_event *event, struct status *status) {
+static bool end_frame(struct shading_node *self, const struct node_event *event,
+                      struct status *status) {
     struct shading_frame *frame = frame_of(self, event->header.frame);
     struct shading_frame *retired = &self->retired[event->header.frame % SHADING_FRAMES];
     if (!frame->is_begun || frame->index != event->header.frame)
@@ -355,7 +366,8 @@ static bool end_frame(struct shading_node *self, const struct node_event *event,
 
 static void queue_push(struct shading_node *self, const struct node_event *event) {
     if (self->queue_first) {
-        memmove(self->queue, self->queue + self->queue_first, self->queue_count * sizeof *self->queue);
+        memmove(self->queue, self->queue + self->queue_first,
+                self->queue_count * sizeof *self->queue);
         self->queue_first = 0;
     }
     self->queue =
@@ -394,7 +406,8 @@ static bool handle_message(struct shading_node *self, const struct node_event *e
     }
 }
 
-static bool advance(struct shading_node *self, struct node_outputs *outputs, struct status *status) {
+static bool advance(struct shading_node *self, struct node_outputs *outputs,
+                    struct status *status) {
     const struct pending_region pending = self->queue[self->queue_first++];
     if (!--self->queue_count)
         self->queue_first = 0;
@@ -418,7 +431,8 @@ static bool shading_node_step(struct node *node, const struct node_event *event,
     node->has_work = false;
     if (ok && self->queue_count) {
         const uint32_t frame = self->queue[self->queue_first].header.frame;
-        node->has_work = frame_of(self, frame)->is_complete && frame_of(self, frame)->index == frame;
+        node->has_work =
+            frame_of(self, frame)->is_complete && frame_of(self, frame)->index == frame;
     }
     return ok;
 }
@@ -433,7 +447,8 @@ static void shading_node_describe(const struct node *node, char *text, size_t si
         snprintf(text, size, "waits for the host to end frame %u",
                  self->queue[self->queue_first].header.frame);
     else
-        snprintf(text, size, "waits for regions from rendering node %u (last was frame %u, region %u)",
+        snprintf(text, size,
+                 "waits for regions from rendering node %u (last was frame %u, region %u)",
                  self->configuration.rendering_nodes - 1, node->frame, node->region);
 }
 
@@ -459,7 +474,8 @@ static void shading_node_destroy(struct node *node) {
 
 bool shading_node_create(uint32_t index, const struct node_services *services, struct trace *trace,
                          struct node **node, struct status *status) {
-    static const struct node_type type = {shading_node_step, shading_node_describe, shading_node_destroy};
+    static const struct node_type type = {shading_node_step, shading_node_describe,
+                                          shading_node_destroy};
     struct shading_node *self = memory_get(1, sizeof *self);
     self->node = (struct node){.type = &type, .address = {NODE_SHADING, index}, .trace = trace};
     self->services = services;

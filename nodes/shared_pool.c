@@ -11,15 +11,17 @@
 #include <unistd.h>
 
 enum {
-    RING_BYTES = 8 << 20,     /* some sixteen regions: what is under way, and no more than caches like */
-    SHARE_BYTES_MIN = 4096,   /* smaller messages are cheaper copied */
+    RING_BYTES =
+        8 << 20, /* some sixteen regions: what is under way, and no more than caches like */
+    SHARE_BYTES_MIN = 4096, /* smaller messages are cheaper copied */
     BLOCK_ALIGNMENT = 64,
     BLOCKS_MAX = RING_BYTES / SHARE_BYTES_MIN,
 };
 
 /* In front of each message in the pool. */
 struct shared_block {
-    _Alignas(BLOCK_ALIGNMENT) _Atomic uint32_t holders; /* messages in any process, and references under way */
+    _Alignas(BLOCK_ALIGNMENT) _Atomic uint32_t
+        holders; /* messages in any process, and references under way */
 };
 
 /* A block this node has filled, oldest first. */
@@ -55,7 +57,8 @@ struct shared_pool *shared_pool_open(int descriptor, uint32_t ring) {
     struct stat info;
     if (fstat(descriptor, &info) || info.st_size < (off_t)(ring + 1) * RING_BYTES)
         return NULL;
-    void *memory = mmap(NULL, (size_t)info.st_size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+    void *memory =
+        mmap(NULL, (size_t)info.st_size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
     if (memory == MAP_FAILED)
         return NULL;
     struct shared_pool *pool = memory_get(1, sizeof *pool);
@@ -89,7 +92,8 @@ static void reclaim(struct shared_pool *pool) {
         pool->head = 0; /* begin again where the cache is warm */
 }
 
-/* Room for a block of `size` bytes, or NULL. The filled part of the ring runs from the oldest block to the head. */
+/* Room for a block of `size` bytes, or NULL. The filled part of the ring runs from the oldest block
+ * to the head. */
 static struct shared_block *allocate(struct shared_pool *pool, uint32_t size) {
     reclaim(pool);
     if (pool->filled_count == BLOCKS_MAX)
@@ -120,7 +124,8 @@ static void dispose_shared(struct message *message) {
     free(shared);
 }
 
-static struct message *make_reference(const struct shared_pool *pool, const struct shared_block *block, size_t length) {
+static struct message *make_reference(const struct shared_pool *pool,
+                                      const struct shared_block *block, size_t length) {
     struct wire_writer writer = {0};
     wire_put_u64(&writer, (uint64_t)((const uint8_t *)block - pool->memory));
     wire_put_u64(&writer, length);
@@ -135,7 +140,8 @@ struct message *shared_pool_share(struct shared_pool *pool, struct message *mess
         block = ((struct shared_message *)message)->block;
         atomic_fetch_add_explicit(&block->holders, 1, memory_order_relaxed);
     } else {
-        const size_t size = (sizeof *block + message->length + BLOCK_ALIGNMENT - 1) / BLOCK_ALIGNMENT * BLOCK_ALIGNMENT;
+        const size_t size = (sizeof *block + message->length + BLOCK_ALIGNMENT - 1) /
+                            BLOCK_ALIGNMENT * BLOCK_ALIGNMENT;
         block = allocate(pool, (uint32_t)size);
         if (!block)
             return message;
@@ -147,15 +153,17 @@ struct message *shared_pool_share(struct shared_pool *pool, struct message *mess
     return reference;
 }
 
-bool shared_pool_receive(struct shared_pool *pool, const struct message *reference, struct message **message,
-                         struct status *status) {
+bool shared_pool_receive(struct shared_pool *pool, const struct message *reference,
+                         struct message **message, struct status *status) {
     struct wire_reader reader = wire_payload(reference->bytes, reference->length);
     const uint64_t offset = wire_get_u64(&reader), length = wire_get_u64(&reader);
     if (!wire_reader_done(&reader, "shared", status))
         return false;
     if (!pool || offset % BLOCK_ALIGNMENT || offset >= pool->size ||
-        length > pool->size - offset - sizeof(struct shared_block) || pool->size - offset < sizeof(struct shared_block))
-        return status_fail(status, STATUS_INVALID, "a message is said to lie in shared memory that is not there");
+        length > pool->size - offset - sizeof(struct shared_block) ||
+        pool->size - offset < sizeof(struct shared_block))
+        return status_fail(status, STATUS_INVALID,
+                           "a message is said to lie in shared memory that is not there");
     struct shared_message *shared = memory_get(1, sizeof *shared);
     shared->block = (struct shared_block *)(pool->memory + offset);
     atomic_init(&shared->message.holders, 1);

@@ -23,8 +23,10 @@ int status_board_create(uint32_t entries, struct status_board_entry **board) {
 
 struct status_board_entry *status_board_open(int descriptor, uint32_t entry) {
     struct stat info;
-    if (fstat(descriptor, &info) || info.st_size < (off_t)((entry + 1) * sizeof(struct status_board_entry)))
+    if (fstat(descriptor, &info) ||
+        info.st_size < (off_t)((entry + 1) * sizeof(struct status_board_entry)))
         return NULL;
-    void *mapped = mmap(NULL, (size_t)info.st_size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+    void *mapped =
+        mmap(NULL, (size_t)info.st_size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
     return mapped == MAP_FAILED ? NULL : (struct status_board_entry *)mapped + entry;
 }

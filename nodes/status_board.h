@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A page shared by a local cluster's supervisor and its nodes, where each node says what it works on: when one is
- * killed, the supervisor still knows in which frame and region. */
+/* A page shared by a local cluster's supervisor and its nodes, where each node says what it works
+ * on: when one is killed, the supervisor still knows in which frame and region. */
 struct status_board_entry {
     _Atomic uint32_t is_started, frame, region;
 };

@@ -20,7 +20,8 @@ bool triangle_setup_make(const float *v0, const float *v1, const float *v2, bool
     const float *vertices[3] = {v0, v1, v2};
     *setup = (struct triangle_setup){0};
     for (int i = 0; i < 3; i++) {
-        const double w[3] = {rows[i].x / determinant, rows[i].y / determinant, rows[i].z / determinant};
+        const double w[3] = {rows[i].x / determinant, rows[i].y / determinant,
+                             rows[i].z / determinant};
         for (int j = 0; j < 3; j++) {
             if (!isfinite(w[j]))
                 return false;

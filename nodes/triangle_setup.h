@@ -4,19 +4,21 @@
 
 #include <stdbool.h>
 
-/* Depth and barycentric coordinates of a triangle as functions of the screen position, in double. Embree says
- * which triangles a sample may see; these say how deep each lies there, from nothing but the triangle and the
- * sample, so that depths are the same bits on whichever node the triangle is (contract C1).
+/* Depth and barycentric coordinates of a triangle as functions of the screen position, in double.
+ * Embree says which triangles a sample may see; these say how deep each lies there, from nothing
+ * but the triangle and the sample, so that depths are the same bits on whichever node the triangle
+ * is (contract C1).
  *
- * With P = sum b_i v_i and P = z (X, Y, 1), the weights w_i = b_i / z are linear in X and Y (perspective);
- * orthographic views use (x, y, 1) in place of v_i and need no division. No clipping is needed for either. */
+ * With P = sum b_i v_i and P = z (X, Y, 1), the weights w_i = b_i / z are linear in X and Y
+ * (perspective); orthographic views use (x, y, 1) in place of v_i and need no division. No clipping
+ * is needed for either. */
 struct triangle_setup {
     double weight[3][3]; /* w_i = weight[i][0] X + weight[i][1] Y + weight[i][2] */
     double depth_numerator[3], depth_denominator[3];
 };
 
-/* v: three vertices in camera space. False when the triangle has no area as seen from the eye, or is not
- * finite: it covers no sample. */
+/* v: three vertices in camera space. False when the triangle has no area as seen from the eye, or
+ * is not finite: it covers no sample. */
 bool triangle_setup_make(const float *v0, const float *v1, const float *v2, bool is_perspective,
                          struct triangle_setup *setup);
 

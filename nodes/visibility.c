@@ -11,16 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Embree decides which triangles a ray may meet; whether the sample lies inside, how deep, and which of them wins is
- * ours (triangle_setup.h), from triangle and sample alone, with ties to the lower primitive number.
+/* Embree decides which triangles a ray may meet; whether the sample lies inside, how deep, and
+ * which of them wins is ours (triangle_setup.h), from triangle and sample alone, with ties to the
+ * lower primitive number.
  *
- * Embree's own distance is used for one thing: to skip what is farther than the best hit so far. So that nothing near the
- * best is skipped, rays are kept alive VISIBILITY_MARGIN beyond it. The distance to a triangle seen nearly edge-on is too
- * uncertain even for that: such triangles are cast against in a scene of their own in which nothing is skipped. */
+ * Embree's own distance is used for one thing: to skip what is farther than the best hit so far. So
+ * that nothing near the best is skipped, rays are kept alive VISIBILITY_MARGIN beyond it. The
+ * distance to a triangle seen nearly edge-on is too uncertain even for that: such triangles are
+ * cast against in a scene of their own in which nothing is skipped. */
 #define VISIBILITY_MARGIN (1.0f / 256)
 
-/* How uncertain Embree's distance may be, relative to the depth, as a multiple of the float rounding error: 2^-24 of this
- * times a factor of 64 for its arithmetic stays within half the margin. */
+/* How uncertain Embree's distance may be, relative to the depth, as a multiple of the float
+ * rounding error: 2^-24 of this times a factor of 64 for its arithmetic stays within half the
+ * margin. */
 #define VISIBILITY_CONDITION_MAX 512.0
 
 struct visibility_device {
@@ -48,13 +51,13 @@ struct visibility {
     struct triangle_source *sources;
     uint32_t *primitives; /* primitive numbers */
     struct traced_scene {
-        RTCScene scene; /* NULL: no triangles */
+        RTCScene scene;      /* NULL: no triangles */
         uint32_t *triangles; /* Embree's number -> ours */
         uint32_t count;
     } scenes[SCENE_COUNT];
     /* scratch for one region, by sample index */
     float *depth;
-    uint32_t *triangle; /* UINT32_MAX: nothing there */
+    uint32_t *triangle;    /* UINT32_MAX: nothing there */
     float *barycentric[3]; /* by covered sample */
     struct span *spans;
     uint32_t span_count;
@@ -90,9 +93,9 @@ void visibility_device_destroy(struct visibility_device *device) {
     free(device);
 }
 
-/* Is the sample inside the triangle, or so close to its edge that Embree's floats cannot tell? A sample on an edge must be
- * inside one of the two triangles there; what Embree reports farther outside (it does, of needles) depends on what else is
- * in its scene. */
+/* Is the sample inside the triangle, or so close to its edge that Embree's floats cannot tell? A
+ * sample on an edge must be inside one of the two triangles there; what Embree reports farther
+ * outside (it does, of needles) depends on what else is in its scene. */
 static bool is_inside(const struct triangle_setup *setup, double x, double y) {
     const double tolerance = 0x1p-21 * (1 + fabs(x) + fabs(y));
     for (int i = 0; i < 3; i++) {
@@ -103,7 +106,8 @@ static bool is_inside(const struct triangle_setup *setup, double x, double y) {
     return true;
 }
 
-/* Called for every hit Embree finds; N lanes as structure of arrays (the C API has no accessors for it). */
+/* Called for every hit Embree finds; N lanes as structure of arrays (the C API has no accessors for
+ * it). */
 static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
     enum { RAY_TFAR = 8, RAY_ID = 10, HIT_PRIMITIVE = 5 };
     struct packet *packet = (struct packet *)arguments->context;
@@ -138,7 +142,8 @@ static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
     }
 }
 
-/* An Embree scene of the triangles listed in `traced`; `corners` holds the vertex numbers of all. */
+/* An Embree scene of the triangles listed in `traced`; `corners` holds the vertex numbers of all.
+ */
 static bool build_scene(struct traced_scene *traced, RTCDevice device, const float *vertices,
                         size_t vertex_count, const uint32_t *corners, struct status *status) {
     if (!traced->count)
@@ -153,7 +158,8 @@ static bool build_scene(struct traced_scene *traced, RTCDevice device, const flo
     if (v && t) {
         memcpy(v, vertices, vertex_count * 3 * sizeof(float));
         for (uint32_t i = 0; i < traced->count; i++)
-            memcpy(t + 3 * (size_t)i, corners + 3 * (size_t)traced->triangles[i], 3 * sizeof(uint32_t));
+            memcpy(t + 3 * (size_t)i, corners + 3 * (size_t)traced->triangles[i],
+                   3 * sizeof(uint32_t));
         rtcSetGeometryIntersectFilterFunction(geometry, consider_hit);
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(traced->scene, geometry);
@@ -162,32 +168,38 @@ static bool build_scene(struct traced_scene *traced, RTCDevice device, const flo
     rtcCommitScene(traced->scene);
     enum RTCError error = rtcGetDeviceError(device);
     if (!v || !t || error != RTC_ERROR_NONE)
-        return status_fail(status, STATUS_LIMIT, "Embree could not build a scene of %u triangles (error %d)",
+        return status_fail(status, STATUS_LIMIT,
+                           "Embree could not build a scene of %u triangles (error %d)",
                            traced->count, (int)error);
     return true;
 }
 
-/* By how much Embree's rounding errors grow in the distance to a triangle, relative to its depth: the size of its
- * coordinates against the distance of its plane from the eye (perspective), or against its least depth at the slope it is
- * seen at (orthographic). */
-static double distance_condition(const float *v0, const float *v1, const float *v2, bool is_perspective) {
-    const struct vec3 a = {v0[0], v0[1], v0[2]}, b = {v1[0], v1[1], v1[2]}, c = {v2[0], v2[1], v2[2]};
+/* By how much Embree's rounding errors grow in the distance to a triangle, relative to its depth:
+ * the size of its coordinates against the distance of its plane from the eye (perspective), or
+ * against its least depth at the slope it is seen at (orthographic). */
+static double distance_condition(const float *v0, const float *v1, const float *v2,
+                                 bool is_perspective) {
+    const struct vec3 a = {v0[0], v0[1], v0[2]}, b = {v1[0], v1[1], v1[2]},
+                      c = {v2[0], v2[1], v2[2]};
     const struct vec3 normal = vec3_cross(vec3_subtract(b, a), vec3_subtract(c, a));
     const double size = sqrt(fmax(vec3_dot(a, a), fmax(vec3_dot(b, b), vec3_dot(c, c))));
     const double length = sqrt(vec3_dot(normal, normal));
-    const double certain = is_perspective ? fabs(vec3_dot(normal, a))
-                                          : fabs(normal.z) * fmin(fabs(a.z), fmin(fabs(b.z), fabs(c.z)));
+    const double certain = is_perspective
+                               ? fabs(vec3_dot(normal, a))
+                               : fabs(normal.z) * fmin(fabs(a.z), fmin(fabs(b.z), fabs(c.z)));
     return size * length / certain; /* infinite or not a number when seen on edge */
 }
 
-/* Collects the triangles that can be seen: set up, binned, and given to Embree under their index here. */
+/* Collects the triangles that can be seen: set up, binned, and given to Embree under their index
+ * here. */
 static size_t collect_triangles(struct visibility *visibility, size_t chunk_count, float *vertices,
                                 uint32_t *indices) {
     size_t vertex_count = 0, count = 0;
     for (size_t c = 0; c < chunk_count; c++) {
         const struct chunk_payload *chunk = &visibility->chunks[c];
         if (chunk->vertex_count)
-            memcpy(vertices + vertex_count * 3, chunk->positions, chunk->vertex_count * 3 * sizeof(float));
+            memcpy(vertices + vertex_count * 3, chunk->positions,
+                   chunk->vertex_count * 3 * sizeof(float));
         for (uint32_t t = 0; t < chunk->triangle_count; t++) {
             const uint16_t *corner = chunk->triangles + 3 * t;
             const float *v[3];
@@ -196,9 +208,11 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
             if (!triangle_setup_make(v[0], v[1], v[2], visibility->frame.is_perspective,
                                      &visibility->setups[count]))
                 continue;
-            const bool is_certain = distance_condition(v[0], v[1], v[2], visibility->frame.is_perspective) <
-                                    VISIBILITY_CONDITION_MAX;
-            struct traced_scene *traced = &visibility->scenes[is_certain ? SCENE_SKIPPING : SCENE_CAREFUL];
+            const bool is_certain =
+                distance_condition(v[0], v[1], v[2], visibility->frame.is_perspective) <
+                VISIBILITY_CONDITION_MAX;
+            struct traced_scene *traced =
+                &visibility->scenes[is_certain ? SCENE_SKIPPING : SCENE_CAREFUL];
             traced->triangles[traced->count++] = (uint32_t)count;
             visibility->sources[count] = (struct triangle_source){(uint32_t)c, t};
             visibility->primitives[count] = chunk->first_primitive + t;
@@ -249,7 +263,8 @@ bool visibility_create(struct visibility_device *device, const struct frame_payl
         collect_triangles(visibility, chunk_count, positions, indices);
         if (visibility->triangle_count) {
             for (int i = 0; ok && i < SCENE_COUNT; i++)
-                ok = build_scene(&visibility->scenes[i], device->device, positions, vertices, indices, status);
+                ok = build_scene(&visibility->scenes[i], device->device, positions, vertices,
+                                 indices, status);
             create_scratch(visibility);
         }
         free(positions);
@@ -289,8 +304,8 @@ const struct region_bins *visibility_bins(const struct visibility *visibility) {
     return &visibility->bins;
 }
 
-/* Casts the 16 rays of one tile whose first sample is (x0, y0) in the region, `wide` by `high` of them inside
- * the picture. */
+/* Casts the 16 rays of one tile whose first sample is (x0, y0) in the region, `wide` by `high` of
+ * them inside the picture. */
 static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, uint32_t wide,
                       uint32_t high) {
     const uint32_t region_width = visibility->bins.grid.region_width;
@@ -348,8 +363,9 @@ static void cast_region(struct visibility *visibility, uint32_t region) {
     const struct region_grid *grid = &bins->grid;
     uint32_t origin_x, origin_y;
     region_grid_origin(grid, region, &origin_x, &origin_y);
-    const uint32_t wide = grid->samples_wide - origin_x < grid->region_width ? grid->samples_wide - origin_x
-                                                                               : grid->region_width,
+    const uint32_t wide = grid->samples_wide - origin_x < grid->region_width
+                              ? grid->samples_wide - origin_x
+                              : grid->region_width,
                    high = grid->samples_high - origin_y < grid->region_height
                               ? grid->samples_high - origin_y
                               : grid->region_height;
@@ -370,8 +386,8 @@ static void cast_region(struct visibility *visibility, uint32_t region) {
 }
 
 /* Barycentric coordinates of `count` consecutive covered samples of one triangle in one row. */
-static void interpolate_weights(const struct visibility *visibility, uint32_t triangle, uint32_t column,
-                                uint32_t row, uint32_t first, uint32_t count) {
+static void interpolate_weights(const struct visibility *visibility, uint32_t triangle,
+                                uint32_t column, uint32_t row, uint32_t first, uint32_t count) {
     const struct triangle_setup *setup = &visibility->setups[triangle];
     const float *restrict x = visibility->screen_x + column;
     const double y = visibility->screen_y[row];
@@ -419,7 +435,8 @@ static void interpolate_material(const struct visibility *visibility, uint32_t t
 }
 
 static void find_spans(struct visibility *visibility) {
-    const uint32_t width = visibility->bins.grid.region_width, height = visibility->bins.grid.region_height;
+    const uint32_t width = visibility->bins.grid.region_width,
+                   height = visibility->bins.grid.region_height;
     visibility->span_count = 0;
     for (uint32_t row = 0; row < height; row++) {
         const uint32_t *triangle = visibility->triangle + (size_t)row * width;
@@ -428,7 +445,8 @@ static void find_spans(struct visibility *visibility) {
             while (x < width && triangle[x] == seen)
                 x++;
             if (seen != UINT32_MAX)
-                visibility->spans[visibility->span_count++] = (struct span){seen, row * width + first, x - first};
+                visibility->spans[visibility->span_count++] =
+                    (struct span){seen, row * width + first, x - first};
         }
     }
 }
@@ -438,7 +456,8 @@ static struct region_head measure_region(const struct visibility *visibility) {
     uint32_t end = UINT32_MAX;
     for (uint32_t i = 0; i < visibility->span_count; i++) {
         const struct span *span = &visibility->spans[i];
-        const uint32_t slots = visibility->chunks[visibility->sources[span->triangle].chunk].material_count;
+        const uint32_t slots =
+            visibility->chunks[visibility->sources[span->triangle].chunk].material_count;
         head.slots = slots > head.slots ? slots : head.slots;
         head.sample_count += span->count;
         head.run_count += span->sample != end;
@@ -459,7 +478,8 @@ struct message *visibility_render(struct visibility *visibility, uint32_t frame,
     uint32_t at = 0, run = 0;
     for (uint32_t i = 0; i < visibility->span_count; i++) {
         const struct span s = visibility->spans[i];
-        interpolate_weights(visibility, s.triangle, s.sample % width, s.sample / width, at, s.count);
+        interpolate_weights(visibility, s.triangle, s.sample % width, s.sample / width, at,
+                            s.count);
         interpolate_material(visibility, s.triangle, &draft, at, s.count);
         memcpy(draft.depth + at, visibility->depth + s.sample, s.count * sizeof(float));
         if (run && draft.runs[run - 1].first + draft.runs[run - 1].count == s.sample)

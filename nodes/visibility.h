@@ -7,7 +7,8 @@
 
 #include <stdint.h>
 
-/* What a rendering node sees: its chunks of one frame in an Embree scene, and regions rendered from it. */
+/* What a rendering node sees: its chunks of one frame in an Embree scene, and regions rendered from
+ * it. */
 struct visibility;
 
 /* One Embree device for all rendering nodes of a process. */
@@ -15,7 +16,8 @@ struct visibility_device;
 bool visibility_device_create(struct visibility_device **device, struct status *status);
 void visibility_device_destroy(struct visibility_device *device);
 
-/* Builds the scene of a frame. The chunks are held by the messages, which the caller keeps until destroy. */
+/* Builds the scene of a frame. The chunks are held by the messages, which the caller keeps until
+ * destroy. */
 bool visibility_create(struct visibility_device *device, const struct frame_payload *frame,
                        const struct region_grid *grid, const struct chunk_payload *chunks,
                        size_t chunk_count, struct visibility **visibility, struct status *status);
@@ -23,9 +25,9 @@ void visibility_destroy(struct visibility *visibility);
 
 const struct region_bins *visibility_bins(const struct visibility *visibility);
 
-/* Renders a region that has a bin: casts a ray through each sample of the marked tiles and returns a sealed
- * REGION message with depth, primitive, shader ID and the material parameters interpolated there; raster work is
- * entered for `node`. */
+/* Renders a region that has a bin: casts a ray through each sample of the marked tiles and returns
+ * a sealed REGION message with depth, primitive, shader ID and the material parameters interpolated
+ * there; raster work is entered for `node`. */
 struct message *visibility_render(struct visibility *visibility, uint32_t frame, uint32_t region,
                                   struct node_address node);
 

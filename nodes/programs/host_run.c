@@ -19,7 +19,8 @@
 
 /* Every node of the cluster in this process; nodes[0] is the host. */
 static bool run_in_process(struct node *host, const struct render_options *options,
-                           struct local_services *services, struct trace *trace, struct status *status) {
+                           struct local_services *services, struct trace *trace,
+                           struct status *status) {
     const uint32_t r = options->host.rendering_nodes, s = options->host.shading_nodes;
     const struct node_services *interface = local_services_interface(services);
     struct node **nodes = memory_get((size_t)r + s + 2, sizeof *nodes);
@@ -43,20 +44,22 @@ static bool run_in_process(struct node *host, const struct render_options *optio
     return ok;
 }
 
-/* When the supervisor itself was killed, nobody else removes the folder of the sockets: as the nodes leave they
- * take their sockets along, and then it can go. */
+/* When the supervisor itself was killed, nobody else removes the folder of the sockets: as the
+ * nodes leave they take their sockets along, and then it can go. */
 static void remove_orphaned_folder(const struct render_options *options, pid_t parent) {
     enum { TRIES = 100, PAUSE_NS = 20000000 };
     char folder[4096];
     const char *slash = strrchr(options->bind, '/');
-    if (!options->is_supervised || getppid() == parent || strncmp(options->bind, "ipc://", 6) || !slash)
+    if (!options->is_supervised || getppid() == parent || strncmp(options->bind, "ipc://", 6) ||
+        !slash)
         return;
     snprintf(folder, sizeof folder, "%.*s", (int)(slash - options->bind) - 6, options->bind + 6);
     for (int i = 0; i < TRIES && rmdir(folder) && errno == ENOTEMPTY; i++)
         nanosleep(&(struct timespec){0, PAUSE_NS}, NULL);
 }
 
-static bool run_by_sockets(struct node *host, const struct render_options *options, struct status *status) {
+static bool run_by_sockets(struct node *host, const struct render_options *options,
+                           struct status *status) {
     const struct socket_options sockets = {
         .host = options->bind,
         .rendering_nodes = options->host.rendering_nodes,
@@ -73,8 +76,8 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
     return ok;
 }
 
-static bool report_results(const struct render_options *options, const struct node *host, double wall_s,
-                           struct status *status) {
+static bool report_results(const struct render_options *options, const struct node *host,
+                           double wall_s, struct status *status) {
     const struct host_report *report = host_node_report(host);
     if (options->verbosity >= 0 && !(options->json && options->json[0] == '-' && !options->json[1]))
         render_summary_print(stdout, options, report, wall_s);
@@ -97,16 +100,19 @@ int host_run(const struct render_options *options) {
     struct local_services *services = local_services_create(&trace, &program_stop);
     render_progress_begin(&progress, options);
     const struct host_observer observer = render_progress_observer(&progress);
-    bool ok = host_node_create(&options->host, &observer, local_services_build_shaders, services, &trace,
-                               &host, &status);
+    bool ok = host_node_create(&options->host, &observer, local_services_build_shaders, services,
+                               &trace, &host, &status);
     if (ok)
-        ok = options->driver == DRIVER_IN_PROCESS ? run_in_process(host, options, services, &trace, &status)
-                                                  : run_by_sockets(host, options, &status);
+        ok = options->driver == DRIVER_IN_PROCESS
+                 ? run_in_process(host, options, services, &trace, &status)
+                 : run_by_sockets(host, options, &status);
     render_progress_end(&progress);
     ok = ok && report_results(options, host, render_wall_s(&progress), &status);
     if (!ok && !(status.code == STATUS_LOST && options->is_supervised) && status.code != STATUS_OK)
         fprintf(stderr, "sortlast: %s\n", status.message);
     node_destroy(host);
     local_services_destroy(services);
-    return ok ? 0 : status.code == STATUS_OK ? 128 + (int)program_stop : status_exit_code(status.code);
+    return ok                         ? 0
+           : status.code == STATUS_OK ? 128 + (int)program_stop
+                                      : status_exit_code(status.code);
 }

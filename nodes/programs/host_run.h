@@ -4,8 +4,8 @@
 
 #include "nodes/programs/render_options.h"
 
-/* Runs the host, by sockets or with the whole cluster in this process, shows progress, prints the summary and
- * writes the JSON. Returns the exit status. */
+/* Runs the host, by sockets or with the whole cluster in this process, shows progress, prints the
+ * summary and writes the JSON. Returns the exit status. */
 int host_run(const struct render_options *options);
 
 #endif

@@ -22,7 +22,8 @@
 
 enum {
     CAUSE_PATIENCE_MS = 1500, /* how long to wait for the cause when a node says it lost another */
-    LEAVE_PATIENCE_MS = 10000, /* how long nodes get to leave: finished frames are still being written */
+    LEAVE_PATIENCE_MS =
+        10000, /* how long nodes get to leave: finished frames are still being written */
     POLL_MS = 5,
     ARGUMENTS_MAX = 16,
 };
@@ -39,9 +40,9 @@ struct local_cluster {
     uint32_t count;
     struct status_board_entry *board;
     int board_descriptor, pool_descriptor; /* the latter -1: no shared memory */
-    char folder[4096];   /* private, for the sockets */
-    char endpoint[4200]; /* of the host */
-    char programs[3072]; /* folder of the node programs */
+    char folder[4096];                     /* private, for the sockets */
+    char endpoint[4200];                   /* of the host */
+    char programs[3072];                   /* folder of the node programs */
 };
 
 static bool make_folder(struct local_cluster *cluster, struct status *status) {
@@ -53,8 +54,8 @@ static bool make_folder(struct local_cluster *cluster, struct status *status) {
     if (mkdtemp(cluster->folder))
         return true;
     cluster->folder[0] = 0;
-    return status_fail(status, STATUS_IO, "cannot make a private folder for sockets in %s: %s", base,
-                       strerror(errno));
+    return status_fail(status, STATUS_IO, "cannot make a private folder for sockets in %s: %s",
+                       base, strerror(errno));
 }
 
 static void remove_folder(const char *folder) {
@@ -70,11 +71,13 @@ static void remove_folder(const char *folder) {
 
 /* A picture half written by a node that was killed: ".NAME.PID.tmp" in the folder of the output. */
 static void remove_partial_pictures(const struct local_cluster *cluster, pid_t pid) {
-    const char *output = cluster->options->host.output, *slash = output ? strrchr(output, '/') : NULL;
+    const char *output = cluster->options->host.output,
+               *slash = output ? strrchr(output, '/') : NULL;
     char folder[4096], suffix[32];
     if (!output)
         return;
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - output) : 1, slash ? output : ".");
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - output) : 1,
+             slash ? output : ".");
     snprintf(suffix, sizeof suffix, ".%d.tmp", (int)pid);
     DIR *directory = opendir(slash == output ? "/" : folder);
     if (!directory)
@@ -120,7 +123,9 @@ static void become(const struct local_cluster *cluster, const char *const *argum
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent)
         _exit(2);
-    setpgid(0, 0); /* an interrupt from the terminal goes to the supervisor alone, which ends the rest */
+    setpgid(
+        0,
+        0); /* an interrupt from the terminal goes to the supervisor alone, which ends the rest */
     snprintf(path, sizeof path, "%s/%s", cluster->programs, arguments[0]);
     execv(path, (char *const *)arguments);
     fprintf(stderr, "sortlast: cannot start %s: %s\n", path, strerror(errno));
@@ -132,7 +137,8 @@ static bool start(struct local_cluster *cluster, struct child *child, const char
     const pid_t parent = getpid();
     sigset_t all, before;
     fflush(NULL);
-    /* until the child has put the handlers aside, a signal would only be noted, and forgotten by exec */
+    /* until the child has put the handlers aside, a signal would only be noted, and forgotten by
+     * exec */
     sigfillset(&all);
     sigprocmask(SIG_BLOCK, &all, &before);
     child->pid = fork();
@@ -173,9 +179,15 @@ static bool start_node(struct local_cluster *cluster, uint32_t entry, struct nod
     snprintf(index, sizeof index, "%u", address.index);
     snprintf(board, sizeof board, "%d:%u", cluster->board_descriptor, entry);
     snprintf(deadline, sizeof deadline, "%d", cluster->options->deadline_s);
-    const char *list[ARGUMENTS_MAX] = {node_role_program(address.role), "--host",     cluster->endpoint,
-                                       "--index",                       index,        "--status-board",
-                                       board,                           "--deadline", deadline,
+    const char *list[ARGUMENTS_MAX] = {node_role_program(address.role),
+                                       "--host",
+                                       cluster->endpoint,
+                                       "--index",
+                                       index,
+                                       "--status-board",
+                                       board,
+                                       "--deadline",
+                                       deadline,
                                        "--supervised"};
     int count = 10;
     if (cluster->options->verbosity > 0)
@@ -191,7 +203,8 @@ static bool start_node(struct local_cluster *cluster, uint32_t entry, struct nod
 
 static bool start_all(struct local_cluster *cluster, int argument_count, char **arguments,
                       struct status *status) {
-    const uint32_t r = cluster->options->host.rendering_nodes, s = cluster->options->host.shading_nodes;
+    const uint32_t r = cluster->options->host.rendering_nodes,
+                   s = cluster->options->host.shading_nodes;
     cluster->count = r + s + 2;
     cluster->children = memory_get(cluster->count, sizeof *cluster->children);
     cluster->board_descriptor = status_board_create(cluster->count, &cluster->board);
@@ -240,12 +253,14 @@ static bool any_left(const struct local_cluster *cluster) {
 static void signal_all(const struct local_cluster *cluster, int number) {
     for (uint32_t i = 0; i < cluster->count; i++)
         if (cluster->children[i].pid)
-            kill(-cluster->children[i].pid, number); /* its group: a compiler may be running for it */
+            kill(-cluster->children[i].pid,
+                 number); /* its group: a compiler may be running for it */
 }
 
 /* Asks all that are left to go, then makes them. */
 static void end_all(struct local_cluster *cluster, bool are_leaving) {
-    for (int waited = 0; are_leaving && any_left(cluster) && waited < LEAVE_PATIENCE_MS; waited += POLL_MS)
+    for (int waited = 0; are_leaving && any_left(cluster) && waited < LEAVE_PATIENCE_MS;
+         waited += POLL_MS)
         if (!reap(cluster))
             pause_ms(POLL_MS);
     signal_all(cluster, SIGTERM);
@@ -274,7 +289,8 @@ static void report_loss(const struct local_cluster *cluster, const struct child 
 /* What the end of a child means for the run. */
 enum verdict { GOES_ON, HAS_LOST_ANOTHER, IS_OVER };
 
-static enum verdict judge(const struct local_cluster *cluster, const struct child *child, int *exit_status) {
+static enum verdict judge(const struct local_cluster *cluster, const struct child *child,
+                          int *exit_status) {
     const bool is_host = child->address.role == NODE_HOST;
     if (WIFSIGNALED(child->result)) {
         report_loss(cluster, child);
@@ -325,7 +341,8 @@ static int supervise(struct local_cluster *cluster) {
     }
 }
 
-/* libzmq ends a process that runs out of file descriptors: refuse beforehand. The host has the most connections. */
+/* libzmq ends a process that runs out of file descriptors: refuse beforehand. The host has the most
+ * connections. */
 static bool has_files_for(const struct render_options *options, struct status *status) {
     enum { FILES_PER_NODE = 3, FILES_BESIDES = 64 };
     const long nodes = (long)options->host.rendering_nodes + options->host.shading_nodes + 1;
@@ -333,13 +350,15 @@ static bool has_files_for(const struct render_options *options, struct status *s
     if (program_files_max() >= needed)
         return true;
     return status_fail(status, STATUS_LIMIT,
-                       "a cluster of %ld nodes needs %ld open files, the limit is %ld: raise it (ulimit -n), or use "
+                       "a cluster of %ld nodes needs %ld open files, the limit is %ld: raise it "
+                       "(ulimit -n), or use "
                        "--driver in-process",
                        nodes + 1, needed, program_files_max());
 }
 
 int local_cluster_run(int argument_count, char **arguments, const struct render_options *options) {
-    struct local_cluster cluster = {.options = options, .board_descriptor = -1, .pool_descriptor = -1};
+    struct local_cluster cluster = {
+        .options = options, .board_descriptor = -1, .pool_descriptor = -1};
     struct status status = {0};
     program_streams_ensure();
     program_signals_install();

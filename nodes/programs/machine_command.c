@@ -12,9 +12,11 @@
 #include <string.h>
 
 static void print_help(void) {
-    puts("usage: sortlast machine show [NAME|FILE]   every number with its unit and source (default pixelflow)\n"
+    puts("usage: sortlast machine show [NAME|FILE]   every number with its unit and source "
+         "(default pixelflow)\n"
          "       sortlast machine list               the descriptions that come with the program\n"
-         "       sortlast machine check FILE         read and check a description; silent when it is good\n"
+         "       sortlast machine check FILE         read and check a description; silent when it "
+         "is good\n"
          "\n"
          "docs/machines.md says how to write one.");
 }
@@ -43,7 +45,8 @@ static int show(const char *name) {
     struct machine machine;
     struct status status = {0};
     char path[4096];
-    if (!machine_find_file(name, path, sizeof path, &status) || !machine_read_file(path, &machine, &status))
+    if (!machine_find_file(name, path, sizeof path, &status) ||
+        !machine_read_file(path, &machine, &status))
         return failure(&status);
     cJSON *document = read_document(path);
     const cJSON *parameters = cJSON_GetObjectItemCaseSensitive(document, "parameters");
@@ -53,8 +56,8 @@ static int show(const char *name) {
         const struct machine_parameter parameter = machine_parameter_at(i);
         const cJSON *entry = cJSON_GetObjectItemCaseSensitive(parameters, parameter.name);
         const cJSON *source = cJSON_GetObjectItemCaseSensitive(entry, "source");
-        printf("%-32s %16" PRId64 "  %-9s %-52s  %s\n", parameter.name, machine_value(&machine, i), parameter.unit,
-               parameter.what, cJSON_IsString(source) ? source->valuestring : "");
+        printf("%-32s %16" PRId64 "  %-9s %-52s  %s\n", parameter.name, machine_value(&machine, i),
+               parameter.unit, parameter.what, cJSON_IsString(source) ? source->valuestring : "");
     }
     cJSON_Delete(document);
     return 0;
@@ -85,7 +88,8 @@ static int list(void) {
     qsort(names, count, sizeof *names, compare_names);
     for (size_t i = 0; i < count; i++) {
         struct machine machine;
-        if (machine_find_file(names[i], path, sizeof path, &status) && machine_read_file(path, &machine, &status))
+        if (machine_find_file(names[i], path, sizeof path, &status) &&
+            machine_read_file(path, &machine, &status))
             printf("%-16s %s\n", names[i], machine.name);
         else
             printf("%-16s %s\n", names[i], status.message);
@@ -113,6 +117,7 @@ int machine_main(int argc, char **argv) {
         return list();
     if (!strcmp(what, "check") && argc == 3)
         return check(argv[2]);
-    fprintf(stderr, "sortlast: machine needs show, list or check FILE (see sortlast machine --help)\n");
+    fprintf(stderr,
+            "sortlast: machine needs show, list or check FILE (see sortlast machine --help)\n");
     return 1;
 }

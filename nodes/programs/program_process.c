@@ -52,7 +52,8 @@ void program_files_raise(void) {
 
 long program_files_max(void) {
     struct rlimit limit;
-    return getrlimit(RLIMIT_NOFILE, &limit) || limit.rlim_cur > 1L << 30 ? 1L << 30 : (long)limit.rlim_cur;
+    return getrlimit(RLIMIT_NOFILE, &limit) || limit.rlim_cur > 1L << 30 ? 1L << 30
+                                                                         : (long)limit.rlim_cur;
 }
 
 void program_memory_keep(void) {

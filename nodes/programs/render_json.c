@@ -91,9 +91,10 @@ static cJSON *make_document(const struct render_options *options, const struct h
     add_whole(document, "rendering_nodes", options->host.rendering_nodes);
     add_whole(document, "shading_nodes", options->host.shading_nodes);
     cJSON_AddStringToObject(document, "driver", in_process ? "in-process" : "processes");
-    cJSON_AddStringToObject(document, "transport", in_process                              ? "none"
-                                                   : options->transport == TRANSPORT_TCP ? "tcp"
-                                                                                         : "ipc");
+    cJSON_AddStringToObject(document, "transport",
+                            in_process                            ? "none"
+                            : options->transport == TRANSPORT_TCP ? "tcp"
+                                                                  : "ipc");
     add_whole(document, "ticks_per_s", (int64_t)options->host.machine.rate.per_s);
     cJSON *frames = cJSON_AddArrayToObject(document, "frames");
     for (size_t i = 0; i < report->frame_count; i++)

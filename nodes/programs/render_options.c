@@ -66,16 +66,19 @@ static void print_help(bool is_host_program) {
     if (is_host_program)
         puts("usage: sortlast-host --bind ENDPOINT [options] SCENE.rib\n"
              "\n"
-             "The host of a cluster whose nodes are started by hand, by script or by a job scheduler: waits for\n"
+             "The host of a cluster whose nodes are started by hand, by script or by a job "
+             "scheduler: waits for\n"
              "them at ENDPOINT, then renders the scene with them and prints the summary.\n"
              "\n"
-             "      --bind ENDPOINT        ipc://PATH or tcp://ADDRESS:PORT where the nodes will call\n"
+             "      --bind ENDPOINT        ipc://PATH or tcp://ADDRESS:PORT where the nodes will "
+             "call\n"
              "      --status-board FD      inherited descriptor of a supervisor's status board\n"
              "      --supervised           leave it to the supervisor to report lost nodes");
     else
         puts("usage: sortlast render [options] SCENE.rib\n"
              "\n"
-             "Renders a scene on a local cluster and says what the frame would have cost the machine.");
+             "Renders a scene on a local cluster and says what the frame would have cost the "
+             "machine.");
     puts("\n"
          "Cluster\n"
          "  -r, --rendering-nodes N    rendering nodes (default 1)\n"
@@ -84,21 +87,28 @@ static void print_help(bool is_host_program) {
          "      --seed N               seed of the distribution of primitives (default 1)\n"
          "\n"
          "Picture\n"
-         "  -o, --output FILE.exr      picture to write; several frames are numbered: %04d in the name, or\n"
+         "  -o, --output FILE.exr      picture to write; several frames are numbered: %04d in the "
+         "name, or\n"
          "                             .0001 before the suffix (default: no picture)\n"
          "      --png                  write a PNG beside it\n"
          "      --compression C        none, rle, zips, zip or piz (default zip)\n"
          "      --format WxH           size in pixels (default: the scene's Format)\n"
-         "      --samples N|NxM        samples a pixel: a square number, or across x down (default: the\n"
+         "      --samples N|NxM        samples a pixel: a square number, or across x down "
+         "(default: the\n"
          "                             scene's PixelSamples)\n"
-         "      --chord PIXELS         how far a diced curve may lie from the true one (default 0.1)\n"
+         "      --chord PIXELS         how far a diced curve may lie from the true one (default "
+         "0.1)\n"
          "      --frames N             render N frames; a scene with fewer repeats its last\n"
-         "      --math exact|fast      accurate functions, or the paper's faster ones (default exact)\n"
-         "      --shaders FOLDER       look for shaders here too; may be repeated. Before it: the scene's\n"
-         "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the library\n"
+         "      --math exact|fast      accurate functions, or the paper's faster ones (default "
+         "exact)\n"
+         "      --shaders FOLDER       look for shaders here too; may be repeated. Before it: the "
+         "scene's\n"
+         "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the "
+         "library\n"
          "\n"
          "Running\n"
-         "      --driver D             processes (default): every node is one; in-process: all in one\n"
+         "      --driver D             processes (default): every node is one; in-process: all in "
+         "one\n"
          "      --transport T          ipc (default): sockets in a private folder; tcp: loopback\n"
          "      --schedule-seed N      in-process: draw the order of events from this seed\n"
          "      --deadline S           longest silence before a node counts as stuck (default 60)\n"
@@ -109,10 +119,13 @@ static void print_help(bool is_host_program) {
          "  -q, --quiet                only errors\n"
          "  -h, --help                 this text\n"
          "\n"
-         "Environment: SORTLAST_CACHE folder of compiled shaders; SORTLAST_CC C compiler; SORTLAST_SHADERS more\n"
-         "folders of shaders, separated by colons; SORTLAST_VECTOR_WIDTH 4, 8 or 16 lanes; NO_COLOR.\n"
+         "Environment: SORTLAST_CACHE folder of compiled shaders; SORTLAST_CC C compiler; "
+         "SORTLAST_SHADERS more\n"
+         "folders of shaders, separated by colons; SORTLAST_VECTOR_WIDTH 4, 8 or 16 lanes; "
+         "NO_COLOR.\n"
          "\n"
-         "Exit status: 0 done; 1 the scene, a shader or an option is wrong; 2 something around it failed;\n"
+         "Exit status: 0 done; 1 the scene, a shader or an option is wrong; 2 something around it "
+         "failed;\n"
          "3 a node was lost.");
 }
 
@@ -122,17 +135,20 @@ static bool parse_whole(const char *text, const char *what, long long minimum, l
     errno = 0;
     *value = strtoll(text, &end, 10);
     if (end == text || *end || errno || *value < minimum || *value > maximum)
-        return status_fail(status, STATUS_INVALID, "%s must be a whole number from %lld to %lld, not \"%s\"",
-                           what, minimum, maximum, text);
+        return status_fail(status, STATUS_INVALID,
+                           "%s must be a whole number from %lld to %lld, not \"%s\"", what, minimum,
+                           maximum, text);
     return true;
 }
 
 static bool parse_pair(const char *text, const char *what, int maximum, int *a, int *b,
                        struct status *status) {
     char rest;
-    if (sscanf(text, "%dx%d%c", a, b, &rest) != 2 || *a < 1 || *b < 1 || *a > maximum || *b > maximum)
-        return status_fail(status, STATUS_INVALID, "%s must be like 1280x1024, each from 1 to %d, not \"%s\"",
-                           what, maximum, text);
+    if (sscanf(text, "%dx%d%c", a, b, &rest) != 2 || *a < 1 || *b < 1 || *a > maximum ||
+        *b > maximum)
+        return status_fail(status, STATUS_INVALID,
+                           "%s must be like 1280x1024, each from 1 to %d, not \"%s\"", what,
+                           maximum, text);
     return true;
 }
 
@@ -147,9 +163,9 @@ static bool parse_samples(const char *text, struct host_options *host, struct st
     while (side * side < count)
         side++;
     if (side * side != count)
-        return status_fail(status, STATUS_INVALID,
-                           "--samples %lld is not a square number; say how many across and down, like 4x2",
-                           count);
+        return status_fail(
+            status, STATUS_INVALID,
+            "--samples %lld is not a square number; say how many across and down, like 4x2", count);
     host->reading.samples_x = host->reading.samples_y = side;
     return true;
 }
@@ -181,11 +197,13 @@ static bool parse_chord(const char *text, double *chord, struct status *status) 
     char *end;
     *chord = strtod(text, &end);
     if (end == text || *end || !(*chord >= 0.001 && *chord <= 1000))
-        return status_fail(status, STATUS_INVALID, "--chord must be from 0.001 to 1000 pixels, not \"%s\"", text);
+        return status_fail(status, STATUS_INVALID,
+                           "--chord must be from 0.001 to 1000 pixels, not \"%s\"", text);
     return true;
 }
 
-static bool parse_one(int option, const char *text, struct render_options *o, struct status *status) {
+static bool parse_one(int option, const char *text, struct render_options *o,
+                      struct status *status) {
     static const char *const drivers[] = {"processes", "in-process", NULL};
     static const char *const transports[] = {"ipc", "tcp", NULL};
     static const char *const compressions[] = {"none", "rle", "zips", "zip", "piz", NULL};
@@ -231,8 +249,8 @@ static bool parse_one(int option, const char *text, struct render_options *o, st
         o->host.seed = (uint64_t)whole;
         return ok;
     case OPTION_FORMAT:
-        return parse_pair(text, "--format", SIZE_MAX_PIXELS, &o->host.reading.width, &o->host.reading.height,
-                          status);
+        return parse_pair(text, "--format", SIZE_MAX_PIXELS, &o->host.reading.width,
+                          &o->host.reading.height, status);
     case OPTION_SAMPLES:
         return parse_samples(text, &o->host, status);
     case OPTION_PNG:
@@ -303,7 +321,8 @@ static void add_default_folders(struct render_options *options) {
         add_folder(options, folder, strlen(folder));
     }
     /* a build folder outside the source tree */
-    add_folder(options, SORTLAST_SOURCE "/shaders/library", strlen(SORTLAST_SOURCE "/shaders/library"));
+    add_folder(options, SORTLAST_SOURCE "/shaders/library",
+               strlen(SORTLAST_SOURCE "/shaders/library"));
 }
 
 static void add_scene_folders(struct render_options *options) {
@@ -320,24 +339,28 @@ bool machine_find_file(const char *name, char *path, size_t size, struct status 
     char program[3072];
     if (strchr(name, '/') || strchr(name, '.'))
         return snprintf(path, size, "%s", name) < (int)size ||
-               status_fail(status, STATUS_INVALID, "the name of the machine description is too long");
+               status_fail(status, STATUS_INVALID,
+                           "the name of the machine description is too long");
     if (!program_folder(program, sizeof program))
         program[0] = 0;
     for (int place = 0; place < 3; place++) {
         const int length =
-            place == 0   ? snprintf(path, size, "%s/../machines/%s.json", program, name)
-            : place == 1 ? snprintf(path, size, "%s/../share/sortlast/machines/%s.json", program, name)
-                         : snprintf(path, size, "%s/machines/%s.json", SORTLAST_SOURCE, name);
+            place == 0 ? snprintf(path, size, "%s/../machines/%s.json", program, name)
+            : place == 1
+                ? snprintf(path, size, "%s/../share/sortlast/machines/%s.json", program, name)
+                : snprintf(path, size, "%s/machines/%s.json", SORTLAST_SOURCE, name);
         if (length > 0 && (size_t)length < size && !access(path, R_OK))
             return true;
     }
     return status_fail(status, STATUS_NOT_FOUND,
-                       "there is no machine description \"%s\" (sortlast machine list names them)", name);
+                       "there is no machine description \"%s\" (sortlast machine list names them)",
+                       name);
 }
 
 static bool read_machine(struct render_options *options, struct status *status) {
     char path[4096];
-    return machine_find_file(options->machine_file[0] ? options->machine_file : "pixelflow", path, sizeof path, status) &&
+    return machine_find_file(options->machine_file[0] ? options->machine_file : "pixelflow", path,
+                             sizeof path, status) &&
            machine_read_file(path, &options->host.machine, status);
 }
 
@@ -346,7 +369,8 @@ static int usage_error(const struct status *status) {
     return 2;
 }
 
-int render_options_parse(int argc, char **argv, bool is_host_program, struct render_options *options) {
+int render_options_parse(int argc, char **argv, bool is_host_program,
+                         struct render_options *options) {
     struct status status = {0};
     *options = (struct render_options){.deadline_s = 60, .board = -1};
     options->host.rendering_nodes = options->host.shading_nodes = 1;
@@ -365,15 +389,17 @@ int render_options_parse(int argc, char **argv, bool is_host_program, struct ren
             free(order);
             return 1;
         }
-        if (option == '?' || (!is_host_program && option >= OPTION_BIND && option <= OPTION_SUPERVISED)) {
-            status_fail(&status, STATUS_INVALID, "unknown option or missing value: %s", order[optind - 1]);
+        if (option == '?' ||
+            (!is_host_program && option >= OPTION_BIND && option <= OPTION_SUPERVISED)) {
+            status_fail(&status, STATUS_INVALID, "unknown option or missing value: %s",
+                        order[optind - 1]);
             free(order);
             return usage_error(&status);
         }
     }
     if (optind + 1 != argc) {
-        status_fail(&status, STATUS_INVALID, optind < argc ? "more than one scene is given"
-                                                           : "no scene is given");
+        status_fail(&status, STATUS_INVALID,
+                    optind < argc ? "more than one scene is given" : "no scene is given");
         free(order);
         return usage_error(&status);
     }

@@ -16,22 +16,24 @@ struct render_options {
     uint64_t schedule_seed; /* of the in-process driver */
     const char *json;       /* file, "-" for standard output, NULL: none */
     int deadline_s;
-    int verbosity; /* -1 quiet, 0, 1 verbose */
-    const char *bind; /* sortlast-host: where to listen */
-    int board;        /* descriptor of a status board, -1: none */
+    int verbosity;     /* -1 quiet, 0, 1 verbose */
+    const char *bind;  /* sortlast-host: where to listen */
+    int board;         /* descriptor of a status board, -1: none */
     int is_supervised; /* someone else reports lost nodes */
     char machine_file[4096];
     char *folders[32];
 };
 
-/* Parses and checks everything, reads the machine description. `is_host_program` adds its own options and makes
- * --bind required. Returns 0 to go on, else the exit status plus 1 to end with (--help printed, or a message on
- * standard error). */
-int render_options_parse(int argc, char **argv, bool is_host_program, struct render_options *options);
+/* Parses and checks everything, reads the machine description. `is_host_program` adds its own
+ * options and makes
+ * --bind required. Returns 0 to go on, else the exit status plus 1 to end with (--help printed, or
+ * a message on standard error). */
+int render_options_parse(int argc, char **argv, bool is_host_program,
+                         struct render_options *options);
 void render_options_finish(struct render_options *options);
 
-/* The file of a machine description: `name` itself when it looks like a path, else NAME.json among those that come
- * with the program. */
+/* The file of a machine description: `name` itself when it looks like a path, else NAME.json among
+ * those that come with the program. */
 bool machine_find_file(const char *name, char *path, size_t size, struct status *status);
 
 /* The folder of the running program. */

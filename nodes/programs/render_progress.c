@@ -12,11 +12,11 @@ static double now_s(void) {
 }
 
 void render_progress_begin(struct render_progress *progress, const struct render_options *options) {
-    *progress = (struct render_progress){.stream = stderr,
-                                         .is_terminal = isatty(STDERR_FILENO),
-                                         .is_quiet = options->verbosity < 0,
-                                         .is_verbose = options->verbosity > 0,
-                                         .begin_s = now_s()};
+    *progress = (struct render_progress){
+        .stream = stderr,
+        .is_terminal = isatty(STDERR_FILENO),
+        .is_quiet = options->verbosity<0, .is_verbose = options->verbosity> 0,
+        .begin_s = now_s()};
 }
 
 double render_wall_s(const struct render_progress *progress) {
@@ -45,8 +45,8 @@ static void show_compiled(void *context, size_t shaders, size_t compiled) {
     struct render_progress *progress = context;
     clear_line(progress);
     if (!progress->is_quiet && (compiled || progress->is_verbose))
-        fprintf(progress->stream, "%zu shaders: %zu compiled, %zu from the cache (%.2f s)\n", shaders,
-                compiled, shaders - compiled, render_wall_s(progress));
+        fprintf(progress->stream, "%zu shaders: %zu compiled, %zu from the cache (%.2f s)\n",
+                shaders, compiled, shaders - compiled, render_wall_s(progress));
 }
 
 static void show_progress(void *context, int number, uint32_t done, uint32_t regions) {
@@ -59,8 +59,8 @@ static void show_progress(void *context, int number, uint32_t done, uint32_t reg
     memset(bar, '.', BAR);
     memset(bar, '#', filled < BAR ? filled : BAR);
     bar[BAR] = 0;
-    fprintf(progress->stream, "\r\033[Kframe %d [%s] %u of %u regions, %.1f s", number, bar, done, regions,
-            render_wall_s(progress));
+    fprintf(progress->stream, "\r\033[Kframe %d [%s] %u of %u regions, %.1f s", number, bar, done,
+            regions, render_wall_s(progress));
     progress->has_line = true;
     fflush(progress->stream);
 }
@@ -70,10 +70,11 @@ static void show_frame(void *context, const struct frame_record *record) {
     clear_line(progress);
     if (progress->is_quiet)
         return;
-    fprintf(progress->stream, "frame %d: %u of %u regions covered, simulated %.3f ms, bound by %s%s%s (%.2f s)\n",
-            record->number, record->regions_covered, record->regions, (double)record->time_ps * 1e-9,
-            timing_resource_name(record->bound_by), record->image_path[0] ? ", " : "", record->image_path,
-            render_wall_s(progress));
+    fprintf(progress->stream,
+            "frame %d: %u of %u regions covered, simulated %.3f ms, bound by %s%s%s (%.2f s)\n",
+            record->number, record->regions_covered, record->regions,
+            (double)record->time_ps * 1e-9, timing_resource_name(record->bound_by),
+            record->image_path[0] ? ", " : "", record->image_path, render_wall_s(progress));
     fflush(progress->stream);
 }
 

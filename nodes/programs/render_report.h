@@ -6,7 +6,8 @@
 
 #include <stdio.h>
 
-/* What a run has to say: progress while it goes, then the summary for a person and the same as JSON. */
+/* What a run has to say: progress while it goes, then the summary for a person and the same as
+ * JSON. */
 
 struct render_progress {
     FILE *stream;

@@ -23,34 +23,39 @@ static double share(double part, double whole) {
 
 static void print_frames(FILE *stream, const struct host_report *report) {
     fprintf(stream, "\nSimulated time\n"
-                    "  frame    time ms  frames/s  bound by     composition  geometry    raster   shading  framebuffer\n");
+                    "  frame    time ms  frames/s  bound by     composition  geometry    raster   "
+                    "shading  framebuffer\n");
     for (size_t i = 0; i < report->frame_count; i++) {
         const struct frame_record *f = &report->frames[i];
         const double time = (double)f->time_ps;
-        fprintf(stream, "  %5d %10.3f %9.2f  %-12s %9.1f %% %7.1f %% %7.1f %% %7.1f %% %10.1f %%\n", f->number,
-                time * 1e-9, time > 0 ? 1e12 / time : 0, timing_resource_name(f->bound_by),
-                share((double)f->composition.busy_ps, time), share((double)f->geometry.busy_ps, time),
+        fprintf(stream, "  %5d %10.3f %9.2f  %-12s %9.1f %% %7.1f %% %7.1f %% %7.1f %% %10.1f %%\n",
+                f->number, time * 1e-9, time > 0 ? 1e12 / time : 0,
+                timing_resource_name(f->bound_by), share((double)f->composition.busy_ps, time),
+                share((double)f->geometry.busy_ps, time),
                 share(mean(f->raster_busy_ps, f->rendering_nodes), time),
                 share(mean(f->shading_busy_ps, f->shading_nodes), time),
                 share((double)f->framebuffer.busy_ps, time));
     }
-    fprintf(stream, "  (share of the frame time each is busy; raster and shading: mean over their nodes)\n");
+    fprintf(
+        stream,
+        "  (share of the frame time each is busy; raster and shading: mean over their nodes)\n");
 }
 
 static void print_busy(FILE *stream, const struct frame_record *f) {
     fprintf(stream, "\nBusy time of the last frame, ms\n");
-    fprintf(stream, "  composition %10.3f   geometry %10.3f   framebuffer %10.3f\n", (double)f->composition.busy_ps * 1e-9,
-            (double)f->geometry.busy_ps * 1e-9, (double)f->framebuffer.busy_ps * 1e-9);
-    fprintf(stream, "  raster, longest of %u nodes %10.3f   shading, longest of %u nodes %10.3f\n", f->rendering_nodes,
-            (double)longest(f->raster_busy_ps, f->rendering_nodes) * 1e-9, f->shading_nodes,
-            (double)longest(f->shading_busy_ps, f->shading_nodes) * 1e-9);
+    fprintf(stream, "  composition %10.3f   geometry %10.3f   framebuffer %10.3f\n",
+            (double)f->composition.busy_ps * 1e-9, (double)f->geometry.busy_ps * 1e-9,
+            (double)f->framebuffer.busy_ps * 1e-9);
+    fprintf(stream, "  raster, longest of %u nodes %10.3f   shading, longest of %u nodes %10.3f\n",
+            f->rendering_nodes, (double)longest(f->raster_busy_ps, f->rendering_nodes) * 1e-9,
+            f->shading_nodes, (double)longest(f->shading_busy_ps, f->shading_nodes) * 1e-9);
 }
 
 static void print_bytes(FILE *stream, const struct frame_record *f) {
     const uint64_t composition = f->composition.total, geometry = f->geometry.total;
     fprintf(stream, "\nBytes of the last frame\n");
-    fprintf(stream, "  composition %14" PRIu64 "   %u of %u regions, %" PRIu64 " samples covered\n", composition,
-            f->regions_covered, f->regions, f->samples_covered);
+    fprintf(stream, "  composition %14" PRIu64 "   %u of %u regions, %" PRIu64 " samples covered\n",
+            composition, f->regions_covered, f->regions, f->samples_covered);
     fprintf(stream, "    depth     %14" PRIu64 " %5.1f %%\n", f->composition.depth,
             share((double)f->composition.depth, (double)composition));
     fprintf(stream, "    shader ID %14" PRIu64 " %5.1f %%\n", f->composition.shader_id,
@@ -59,26 +64,32 @@ static void print_bytes(FILE *stream, const struct frame_record *f) {
             share((double)f->composition.parameters, (double)composition));
     fprintf(stream, "    padding   %14" PRIu64 " %5.1f %%\n", f->composition.padding,
             share((double)f->composition.padding, (double)composition));
-    static const char *const causes[CAUSE_COUNT] = {"primitives", "bound par.", "shaders", "control"};
+    static const char *const causes[CAUSE_COUNT] = {"primitives", "bound par.", "shaders",
+                                                    "control"};
     fprintf(stream, "  geometry    %14" PRIu64 "\n", geometry);
     for (int cause = 0; cause < CAUSE_COUNT; cause++)
-        fprintf(stream, "    %-10s%14" PRIu64 " %5.1f %%\n", causes[cause], f->geometry.bytes[cause],
+        fprintf(stream, "    %-10s%14" PRIu64 " %5.1f %%\n", causes[cause],
+                f->geometry.bytes[cause],
                 share((double)f->geometry.bytes[cause], (double)geometry));
     fprintf(stream, "  colours     %14" PRIu64 "\n", f->framebuffer.bytes);
 }
 
 static void print_instances(FILE *stream, const struct host_report *report) {
     enum { SHOWN_MAX = 24 };
-    fprintf(stream, "\nShader instances              map bytes  bound bytes  parameters in the transfer map\n");
+    fprintf(
+        stream,
+        "\nShader instances              map bytes  bound bytes  parameters in the transfer map\n");
     for (size_t i = 0; i < report->instance_count && i < SHOWN_MAX; i++) {
         const struct instance_report *instance = &report->instances[i];
-        fprintf(stream, "  %-28s %8u %12" PRIu64 " ", instance->name, instance->map_bytes, instance->bound_bytes);
+        fprintf(stream, "  %-28s %8u %12" PRIu64 " ", instance->name, instance->map_bytes,
+                instance->bound_bytes);
         for (int p = 0; p < instance->parameter_count; p++)
             fprintf(stream, " %s:%u", instance->parameters[p].name, instance->parameters[p].bytes);
         fputc('\n', stream);
     }
     if (report->instance_count > SHOWN_MAX)
-        fprintf(stream, "  ... and %zu more (all are in the JSON)\n", report->instance_count - SHOWN_MAX);
+        fprintf(stream, "  ... and %zu more (all are in the JSON)\n",
+                report->instance_count - SHOWN_MAX);
 }
 
 void render_summary_print(FILE *stream, const struct render_options *options,

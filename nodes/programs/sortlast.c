@@ -19,14 +19,16 @@ static int render_main(int argc, char **argv) {
 }
 
 /* Verbs of the command: X(name, function, what it does) */
-#define VERBS(X)                                                                                             \
-    X("render", render_main, "render a scene on a local cluster")                                            \
-    X("compare", image_compare_main, "say how far two pictures are apart")                                   \
+#define VERBS(X)                                                                                   \
+    X("render", render_main, "render a scene on a local cluster")                                  \
+    X("compare", image_compare_main, "say how far two pictures are apart")                         \
     X("machine", machine_main, "show, list or check machine descriptions")
 
 static void print_help(FILE *stream) {
-    fprintf(stream, "usage: sortlast VERB [options]\n\n"
-                    "Simulates a sort-last, deferred-shading rendering cluster of the PixelFlow class.\n\n");
+    fprintf(
+        stream,
+        "usage: sortlast VERB [options]\n\n"
+        "Simulates a sort-last, deferred-shading rendering cluster of the PixelFlow class.\n\n");
 #define VERB_HELP(name, function, what) fprintf(stream, "  %-10s %s\n", name, what);
     VERBS(VERB_HELP)
 #undef VERB_HELP
@@ -46,8 +48,8 @@ int main(int argc, char **argv) {
         puts("sortlast " SORTLAST_VERSION);
         return 0;
     }
-#define VERB_CALL(name, function, what)                                                                      \
-    if (!strcmp(argv[1], name))                                                                              \
+#define VERB_CALL(name, function, what)                                                            \
+    if (!strcmp(argv[1], name))                                                                    \
         return function(argc - 1, argv + 1);
     VERBS(VERB_CALL)
 #undef VERB_CALL

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One source for sortlast-rendering-node, sortlast-shading-node and sortlast-framebuffer-node: NODE_PROGRAM_ROLE
- * says which. */
+/* One source for sortlast-rendering-node, sortlast-shading-node and sortlast-framebuffer-node:
+ * NODE_PROGRAM_ROLE says which. */
 #include "nodes/driver_sockets.h"
 #include "nodes/framebuffer_node.h"
 #include "nodes/local_services.h"
@@ -24,21 +24,26 @@ struct node_program_options {
 static void print_help(void) {
     printf("usage: %s --host ENDPOINT [--index N] [options]\n"
            "\n"
-           "One %s of a cluster. It calls the host, joins the cluster and leaves when the host is done.\n"
+           "One %s of a cluster. It calls the host, joins the cluster and leaves when the host is "
+           "done.\n"
            "\n"
            "      --host ENDPOINT    where the host listens: ipc://PATH or tcp://ADDRESS:PORT\n"
            "      --index N          which of the nodes of its kind it is, from 0 (default 0)\n"
-           "      --listen ENDPOINT  where it takes regions (default: beside the host's ipc socket; for tcp a\n"
-           "                         free port of the loopback interface, tcp://127.0.0.1:*; across machines\n"
+           "      --listen ENDPOINT  where it takes regions (default: beside the host's ipc "
+           "socket; for tcp a\n"
+           "                         free port of the loopback interface, tcp://127.0.0.1:*; "
+           "across machines\n"
            "                         give an address the others can reach, tcp://10.0.0.7:*)\n"
            "      --deadline S       how long to wait for the host to begin (default 60)\n"
            "      --status-board FD:ENTRY  inherited descriptor of a supervisor's status board\n"
-           "      --shared-pool FD:RING  inherited descriptor of memory shared by the nodes of a local cluster\n"
+           "      --shared-pool FD:RING  inherited descriptor of memory shared by the nodes of a "
+           "local cluster\n"
            "      --supervised       leave it to the supervisor to report lost nodes\n"
            "  -v, --verbose          say what it does\n"
            "  -h, --help             this text\n"
            "\n"
-           "SIGUSR1 makes it say what it waits for. Exit status: 0 done; 1 bad input; 2 something around it\n"
+           "SIGUSR1 makes it say what it waits for. Exit status: 0 done; 1 bad input; 2 something "
+           "around it\n"
            "failed; 3 the host or another node was lost.\n",
            node_role_program(NODE_PROGRAM_ROLE), node_role_name(NODE_PROGRAM_ROLE));
 }
@@ -46,11 +51,15 @@ static void print_help(void) {
 /* 0 to go on, else exit status plus 1. */
 static int parse(int argc, char **argv, struct node_program_options *options) {
     static const struct option long_options[] = {
-        {"host", required_argument, NULL, 'H'},     {"index", required_argument, NULL, 'i'},
-        {"listen", required_argument, NULL, 'l'},   {"deadline", required_argument, NULL, 'd'},
-        {"status-board", required_argument, NULL, 'b'}, {"supervised", no_argument, NULL, 'S'},
+        {"host", required_argument, NULL, 'H'},
+        {"index", required_argument, NULL, 'i'},
+        {"listen", required_argument, NULL, 'l'},
+        {"deadline", required_argument, NULL, 'd'},
+        {"status-board", required_argument, NULL, 'b'},
+        {"supervised", no_argument, NULL, 'S'},
         {"shared-pool", required_argument, NULL, 'p'},
-        {"verbose", no_argument, NULL, 'v'},        {"help", no_argument, NULL, 'h'},
+        {"verbose", no_argument, NULL, 'v'},
+        {"help", no_argument, NULL, 'h'},
         {0},
     };
     int option;
@@ -108,7 +117,8 @@ static bool create(const struct node_program_options *options, struct local_serv
         return visibility_device_create(device, status) &&
                rendering_node_create(options->index, *device, trace, node, status);
     case NODE_SHADING:
-        return shading_node_create(options->index, local_services_interface(services), trace, node, status);
+        return shading_node_create(options->index, local_services_interface(services), trace, node,
+                                   status);
     default:
         return framebuffer_node_create(local_services_interface(services), trace, node, status);
     }
@@ -127,7 +137,8 @@ int main(int argc, char **argv) {
     program_signals_install();
     program_files_raise();
     program_memory_keep();
-    trace_init(&trace, node_address_name((struct node_address){NODE_PROGRAM_ROLE, options.index}, name),
+    trace_init(&trace,
+               node_address_name((struct node_address){NODE_PROGRAM_ROLE, options.index}, name),
                options.is_verbose ? stderr : NULL);
     options.sockets.stop = &program_stop;
     options.sockets.describe = &program_describe;
@@ -148,5 +159,7 @@ int main(int argc, char **argv) {
     visibility_device_destroy(device);
     shared_pool_close(options.sockets.pool);
     local_services_destroy(services);
-    return ok ? 0 : status.code == STATUS_OK ? 128 + (int)program_stop : status_exit_code(status.code);
+    return ok                         ? 0
+           : status.code == STATUS_OK ? 128 + (int)program_stop
+                                      : status_exit_code(status.code);
 }

@@ -9,10 +9,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The shading language compiler: RSL source in, C source and all that the rest of the cluster needs to know
- * about the shader out. Pure: no files, no processes. */
+/* The shading language compiler: RSL source in, C source and all that the rest of the cluster needs
+ * to know about the shader out. Pure: no files, no processes. */
 
-enum shader_type { SHADER_FLOAT, SHADER_COLOR, SHADER_POINT, SHADER_VECTOR, SHADER_NORMAL, SHADER_STRING };
+enum shader_type {
+    SHADER_FLOAT,
+    SHADER_COLOR,
+    SHADER_POINT,
+    SHADER_VECTOR,
+    SHADER_NORMAL,
+    SHADER_STRING
+};
 enum shader_kind { SHADER_KIND_SURFACE, SHADER_KIND_LIGHT };
 
 /* Floats of one value of a type; a string counts as one (its identity number). */
@@ -26,25 +33,28 @@ struct shader_parameter {
     int array_length; /* 0: not an array */
     int components;   /* floats in all */
     bool is_global;   /* a predefined variable */
-    bool is_varying;  /* declared varying, promoted by shader_compile_options.material, or a varying global */
+    bool is_varying;  /* declared varying, promoted by shader_compile_options.material, or a varying
+                         global */
     bool is_uniform_declared; /* says `uniform` in so many words: cannot become material */
-    bool is_live;     /* can reach the result */
+    bool is_live;             /* can reach the result */
     bool is_material; /* in the transfer map: live, varying and per sample in this variant */
-    int map_offset;   /* first component in the transfer map (floats after the shader ID), -1 when not in it */
+    int map_offset; /* first component in the transfer map (floats after the shader ID), -1 when not
+                       in it */
     int bound_offset; /* first float among the bound values, -1 when material or dead */
     int line, column;
 };
 
 struct shader_compile_options {
-    /* Parameters that come with the primitives in this variant of the shader, by name; everything else is
-     * bound to the instance. Cs and Os are named here when they vary; N, Ng, s, t, u, v, dPdu, dPdv are always
-     * material; P, I, E are rebuilt from depth and never are. */
+    /* Parameters that come with the primitives in this variant of the shader, by name; everything
+     * else is bound to the instance. Cs and Os are named here when they vary; N, Ng, s, t, u, v,
+     * dPdu, dPdv are always material; P, I, E are rebuilt from depth and never are. */
     const char *const *material;
     int material_count;
-    bool fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
-    /* The text of a file named by #include, or NULL when there is none; a name in an included file is first
-     * asked for next to that file. The bytes stay the callee's and must not change until the compilation ends. NULL:
-     * #include is an error. */
+    bool
+        fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
+    /* The text of a file named by #include, or NULL when there is none; a name in an included file
+     * is first asked for next to that file. The bytes stay the callee's and must not change until
+     * the compilation ends. NULL: #include is an error. */
     const char *(*read_include)(void *context, const char *name, size_t *length);
     void *read_include_context;
 };
@@ -66,10 +76,10 @@ struct shader_program {
     int warning_count;
 };
 
-/* Compiles one shader from the `length` bytes at `text`; `file` is its name in messages. On success *program
- * is the caller's to destroy. On failure status->message holds up to eight errors, each
- * "FILE:LINE:COLUMN: error: TEXT", the source line and a caret. Any bytes are accepted as input; work and
- * memory are bounded (256 MiB, nesting 200, 1 MiB of source). */
+/* Compiles one shader from the `length` bytes at `text`; `file` is its name in messages. On success
+ * *program is the caller's to destroy. On failure status->message holds up to eight errors, each
+ * "FILE:LINE:COLUMN: error: TEXT", the source line and a caret. Any bytes are accepted as input;
+ * work and memory are bounded (256 MiB, nesting 200, 1 MiB of source). */
 bool shader_compile(const char *file, const char *text, size_t length,
                     const struct shader_compile_options *options, struct shader_program **program,
                     struct status *status);

@@ -28,10 +28,13 @@ static const struct vector_width {
     const char *name;
     const char *flags[7];
 } vector_widths[] = {
-    {16, "16 lanes (AVX-512, byte permutes)", {"-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl",
-                                               "-mavx512vbmi", "-mprefer-vector-width=512", NULL}},
-    {16, "16 lanes (AVX-512)", {"-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl",
-                                "-mprefer-vector-width=512", NULL}},
+    {16,
+     "16 lanes (AVX-512, byte permutes)",
+     {"-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl", "-mavx512vbmi",
+      "-mprefer-vector-width=512", NULL}},
+    {16,
+     "16 lanes (AVX-512)",
+     {"-mavx512f", "-mavx512dq", "-mavx512bw", "-mavx512vl", "-mprefer-vector-width=512", NULL}},
     {8, "8 lanes (AVX2)", {"-mavx2", NULL}},
     {4, "4 lanes (SSE2)", {NULL}},
 };
@@ -86,33 +89,38 @@ static bool make_folder(const char *path, struct status *status) {
             continue;
         snprintf(partial, sizeof partial, "%.*s", (int)(at - path), path);
         if (mkdir(partial, 0700) && errno != EEXIST)
-            return status_fail(status, STATUS_IO,
-                               "cannot make the shader cache %s: %s (set SORTLAST_CACHE to a folder that "
-                               "can be written)",
-                               partial, strerror(errno));
+            return status_fail(
+                status, STATUS_IO,
+                "cannot make the shader cache %s: %s (set SORTLAST_CACHE to a folder that "
+                "can be written)",
+                partial, strerror(errno));
         if (!*at)
             return true;
     }
 }
 
 static bool find_directory(struct shader_cache *cache, struct status *status) {
-    const char *own = getenv("SORTLAST_CACHE"), *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-    int length = own && *own    ? snprintf(cache->directory, PATH_BYTES, "%s", own)
-                 : xdg && *xdg  ? snprintf(cache->directory, PATH_BYTES, "%s/sortlast", xdg)
-                 : home && *home ? snprintf(cache->directory, PATH_BYTES, "%s/.cache/sortlast", home)
-                                 : snprintf(cache->directory, PATH_BYTES, "/tmp/sortlast-%u", getuid());
+    const char *own = getenv("SORTLAST_CACHE"), *xdg = getenv("XDG_CACHE_HOME"),
+               *home = getenv("HOME");
+    int length = own && *own   ? snprintf(cache->directory, PATH_BYTES, "%s", own)
+                 : xdg && *xdg ? snprintf(cache->directory, PATH_BYTES, "%s/sortlast", xdg)
+                 : home && *home
+                     ? snprintf(cache->directory, PATH_BYTES, "%s/.cache/sortlast", home)
+                     : snprintf(cache->directory, PATH_BYTES, "/tmp/sortlast-%u", getuid());
     if (length >= PATH_BYTES - 128)
         return status_fail(status, STATUS_INVALID, "the path of the shader cache is too long");
     if (!make_folder(cache->directory, status))
         return false;
     struct stat info;
     if (stat(cache->directory, &info) || !S_ISDIR(info.st_mode))
-        return status_fail(status, STATUS_IO, "the shader cache %s is not a folder", cache->directory);
-    if (info.st_uid != getuid() || info.st_mode & 022)
-        return status_fail(status, STATUS_IO,
-                           "the shader cache %s can be written by others, and code is loaded from it: "
-                           "make it yours alone (chmod 700) or set SORTLAST_CACHE",
+        return status_fail(status, STATUS_IO, "the shader cache %s is not a folder",
                            cache->directory);
+    if (info.st_uid != getuid() || info.st_mode & 022)
+        return status_fail(
+            status, STATUS_IO,
+            "the shader cache %s can be written by others, and code is loaded from it: "
+            "make it yours alone (chmod 700) or set SORTLAST_CACHE",
+            cache->directory);
     return true;
 }
 
@@ -146,7 +154,8 @@ static bool write_runtime(struct shader_cache *cache, struct status *status) {
              (unsigned long long)content);
     cache->salt = content;
     if (mkdir(cache->include, 0700) && errno != EEXIST)
-        return status_fail(status, STATUS_IO, "cannot make %s: %s", cache->include, strerror(errno));
+        return status_fail(status, STATUS_IO, "cannot make %s: %s", cache->include,
+                           strerror(errno));
     for (int i = 0; i < runtime_file_count; i++) {
         char path[PATH_BYTES + 128];
         struct stat info;
@@ -168,7 +177,8 @@ bool shader_cache_open(struct shader_cache **out, struct status *status) {
         shader_cache_close(cache);
         return false;
     }
-    cache->salt = hash_string(cache->compiler, cache->salt + (uint64_t)(cache->width - vector_widths));
+    cache->salt =
+        hash_string(cache->compiler, cache->salt + (uint64_t)(cache->width - vector_widths));
     *out = cache;
     return true;
 }
@@ -200,8 +210,8 @@ static uint64_t source_key(const struct shader_cache *cache, const struct shader
     return hash_string(source->text, cache->salt);
 }
 
-static void object_path(const struct shader_cache *cache, const struct shader_source *source, char *path,
-                        size_t size) {
+static void object_path(const struct shader_cache *cache, const struct shader_source *source,
+                        char *path, size_t size) {
     char name[48];
     size_t length = 0;
     for (const char *at = source->name; *at && length < sizeof name - 1; at++)
@@ -222,10 +232,16 @@ static bool job_start(const struct shader_cache *cache, struct job *job, struct 
         return false;
     snprintf(include, sizeof include, "-I%s", cache->include);
     snprintf(width, sizeof width, "-DSHADER_WIDTH=%d", cache->width->lanes);
-    const char *const fixed[] = {cache->compiler,       "-std=gnu11", "-O2",
-                                 "-fno-math-errno",     "-fno-trapping-math",
-                                 "-ffp-contract=off",   "-fPIC",      "-shared",
-                                 "-w",         include,
+    const char *const fixed[] = {cache->compiler,
+                                 "-std=gnu11",
+                                 "-O2",
+                                 "-fno-math-errno",
+                                 "-fno-trapping-math",
+                                 "-ffp-contract=off",
+                                 "-fPIC",
+                                 "-shared",
+                                 "-w",
+                                 include,
                                  width};
     for (size_t i = 0; i < sizeof fixed / sizeof *fixed; i++)
         arguments[count++] = fixed[i];
@@ -240,7 +256,8 @@ static bool job_start(const struct shader_cache *cache, struct job *job, struct 
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&actions, 1, job->words, O_WRONLY | O_CREAT | O_TRUNC, 0600);
     posix_spawn_file_actions_adddup2(&actions, 1, 2);
-    int error = posix_spawnp(&job->pid, cache->compiler, &actions, NULL, (char *const *)arguments, environ);
+    int error =
+        posix_spawnp(&job->pid, cache->compiler, &actions, NULL, (char *const *)arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     if (!error)
         return true;
@@ -276,7 +293,8 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
             fclose(file);
         status_fail(status, STATUS_INTERNAL, "the C compiler %s failed on shader %s:\n%s",
                     cache->compiler, job->source->name,
-                    length ? words : "it was stopped, or could not write its result (is the disk full?)");
+                    length ? words
+                           : "it was stopped, or could not write its result (is the disk full?)");
     } else if (rename(job->temporary, job->object)) {
         ok = status_fail(status, STATUS_IO, "cannot write %s: %s", job->object, strerror(errno));
     }
@@ -286,8 +304,8 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
     return ok;
 }
 
-bool shader_cache_build(struct shader_cache *cache, const struct shader_source *sources, size_t count,
-                        size_t *compiled, struct status *status) {
+bool shader_cache_build(struct shader_cache *cache, const struct shader_source *sources,
+                        size_t count, size_t *compiled, struct status *status) {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     const size_t most = processors > 1 ? (size_t)processors : 1;
     struct job *jobs = memory_get(count, sizeof *jobs);

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "base/arena.h"
 #include "base/hash.h"
@@ -39,7 +35,8 @@ static void tick_rate_makes_every_duration_whole(void **state) {
                 continue;
             bool suffices = true;
             for (int i = 0; i < 4; i++)
-                suffices &= (unsigned __int128)numerator[i] * (rate.per_s / prime) % denominator[i] == 0;
+                suffices &=
+                    (unsigned __int128)numerator[i] * (rate.per_s / prime) % denominator[i] == 0;
             assert_false(suffices);
         }
     }
@@ -118,7 +115,8 @@ static void inverse_matrix_undoes_the_matrix(void **state) {
     (void)state;
     struct rng rng = {11};
     for (int round = 0; round < 500; round++) {
-        struct mat4 a = mat4_rotate(rng_unit(&rng) * 360, rng_unit(&rng), rng_unit(&rng), rng_unit(&rng) + 0.1);
+        struct mat4 a =
+            mat4_rotate(rng_unit(&rng) * 360, rng_unit(&rng), rng_unit(&rng), rng_unit(&rng) + 0.1);
         const struct mat4 move = mat4_translate(rng_unit(&rng), -rng_unit(&rng), 5),
                           scale = mat4_scale(0.5 + rng_unit(&rng), 2, -1);
         a = mat4_multiply(&a, &scale);

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "base/rng.h"
 #include "netsim/region.h"
@@ -43,7 +39,8 @@ static struct dense *random_dense(struct rng *rng, uint32_t first_primitive) {
 }
 
 static struct message *encode(const struct dense *d, uint32_t node) {
-    struct region_head head = {.slots = d->slot_count, .longest_map = d->slot_count, .work_count = 1};
+    struct region_head head = {
+        .slots = d->slot_count, .longest_map = d->slot_count, .work_count = 1};
     for (int i = 0; i < SAMPLES; i++) {
         head.sample_count += d->covered[i];
         head.run_count += d->covered[i] && (i == 0 || !d->covered[i - 1]);
@@ -69,9 +66,10 @@ static struct message *encode(const struct dense *d, uint32_t node) {
 
 static void compose_dense(struct dense *into, const struct dense *other) {
     for (int i = 0; i < SAMPLES; i++) {
-        const bool wins = other->covered[i] &&
-                          (!into->covered[i] || other->depth[i] < into->depth[i] ||
-                           (other->depth[i] == into->depth[i] && other->primitive[i] < into->primitive[i]));
+        const bool wins =
+            other->covered[i] &&
+            (!into->covered[i] || other->depth[i] < into->depth[i] ||
+             (other->depth[i] == into->depth[i] && other->primitive[i] < into->primitive[i]));
         if (!wins)
             continue;
         into->covered[i] = true;
@@ -122,8 +120,9 @@ static void composition_equals_the_plain_way_in_any_order(void **state) {
             d[i] = random_dense(&rng, i); /* primitive numbers differ between nodes */
             m[i] = encode(d[i], i);
         }
-        struct message *ab = compose(m[0], m[1]), *ba = compose(m[1], m[0]), *ab_c = compose(ab, m[2]),
-                       *bc = compose(m[1], m[2]), *a_bc = compose(m[0], bc);
+        struct message *ab = compose(m[0], m[1]), *ba = compose(m[1], m[0]),
+                       *ab_c = compose(ab, m[2]), *bc = compose(m[1], m[2]),
+                       *a_bc = compose(m[0], bc);
         compose_dense(d[0], d[1]);
         assert_same(ab, d[0]);
         assert_same(ba, d[0]);

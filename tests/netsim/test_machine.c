@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "netsim/machine.h"
 
@@ -28,7 +24,8 @@ static void figures_of_the_paper_are_in_the_description(void **state) {
     assert_int_equal(m.geometry_bytes_per_s, 800000000);
     assert_int_equal(m.pixel_memory_bytes, 256);
     /* table 2, in picoseconds: the fits for 2 and 4 bytes give the published fixed-point times */
-    const int64_t add[] = {70000, 130000}, multiply[] = {500000, 2000000}, divide[] = {1600000, 6400000};
+    const int64_t add[] = {70000, 130000}, multiply[] = {500000, 2000000},
+                  divide[] = {1600000, 6400000};
     for (int i = 0; i < 2; i++) {
         const int64_t b = i ? 4 : 2;
         assert_int_equal(m.fixed_add_base_ps + b * m.fixed_add_byte_ps, add[i]);
@@ -70,7 +67,8 @@ static void values_survive_the_wire_form(void **state) {
     int64_t values[MACHINE_VALUE_COUNT];
     machine_to_values(&m, values);
     assert_true(machine_from_values(m.name, values, &copy, NULL));
-    assert_memory_equal(&m.region_width, &copy.region_width, sizeof m - offsetof(struct machine, region_width));
+    assert_memory_equal(&m.region_width, &copy.region_width,
+                        sizeof m - offsetof(struct machine, region_width));
 }
 
 static void every_entry_is_checked_against_its_range(void **state) {
@@ -144,7 +142,8 @@ static void odd_rates_stay_exact(void **state) {
     if (!machine_parse("m.json", text, &machine, &status))
         fail_msg("%s", status.message);
     /* 999999937 words of 32 bytes take exactly 32 seconds */
-    assert_true(ticks_multiply(machine.composition_word, 999999937) == (ticks)(32 * machine.rate.per_s));
+    assert_true(ticks_multiply(machine.composition_word, 999999937) ==
+                (ticks)(32 * machine.rate.per_s));
     free(text);
 }
 

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "base/rng.h"
 #include "netsim/timing.h"
@@ -11,9 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The same rules as docs/timing.md written a second time, as a graph: one variable for each begin, "this begins no
- * earlier than that plus so much" for each rule, and the least solution found by relaxing until nothing moves. It
- * shares no code with the recurrence and knows nothing of its order of evaluation. */
+/* The same rules as docs/timing.md written a second time, as a graph: one variable for each begin,
+ * "this begins no earlier than that plus so much" for each rule, and the least solution found by
+ * relaxing until nothing moves. It shares no code with the recurrence and knows nothing of its
+ * order of evaluation. */
 
 struct rule {
     int later, earlier;
@@ -68,16 +65,19 @@ static void random_workload(struct rng *rng, struct workload *w) {
             region->shading = region->words ? (ticks)rng_below(rng, 60000) : 0;
             for (uint32_t i = 0; i < w->r; i++)
                 if (rng_below(rng, 2))
-                    w->work[f][k][region->work_count++] = (struct timing_work){i, (uint32_t)rng_below(rng, 200)};
+                    w->work[f][k][region->work_count++] =
+                        (struct timing_work){i, (uint32_t)rng_below(rng, 200)};
             region->work = w->work[f][k];
         }
     }
 }
 
-/* Variables: 0 is time zero; then per frame the begin of geometry, and per region the begins of the transfer, of
- * shading, of the colours' arrival, and of raster at each node. */
-static void build(struct graph *g, const struct machine *m, const struct workload *w, int frame_end[FRAMES]) {
-    int geometry[FRAMES], transfer[FRAMES][REGIONS_MAX], shade[FRAMES][REGIONS_MAX], colour[FRAMES][REGIONS_MAX];
+/* Variables: 0 is time zero; then per frame the begin of geometry, and per region the begins of the
+ * transfer, of shading, of the colours' arrival, and of raster at each node. */
+static void build(struct graph *g, const struct machine *m, const struct workload *w,
+                  int frame_end[FRAMES]) {
+    int geometry[FRAMES], transfer[FRAMES][REGIONS_MAX], shade[FRAMES][REGIONS_MAX],
+        colour[FRAMES][REGIONS_MAX];
     int raster[FRAMES][REGIONS_MAX][NODES_MAX], end[FRAMES];
     g->variables = 1;
     for (int f = 0; f < FRAMES; f++) {
@@ -95,27 +95,34 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
     const int buffers = (int)m->composition_region_buffers, frames = (int)m->geometry_frame_buffers;
     int last_transfer = 0, last_colour = 0;
     ticks last_length = 0;
-    int raster_history[NODES_MAX][FRAMES * REGIONS_MAX], raster_transfer[NODES_MAX][FRAMES * REGIONS_MAX], raster_count[NODES_MAX] = {0};
-    ticks raster_cost[NODES_MAX][FRAMES * REGIONS_MAX], raster_length[NODES_MAX][FRAMES * REGIONS_MAX];
-    int shade_history[NODES_MAX][FRAMES * REGIONS_MAX], colour_history[NODES_MAX][FRAMES * REGIONS_MAX], shade_count[NODES_MAX] = {0};
+    int raster_history[NODES_MAX][FRAMES * REGIONS_MAX],
+        raster_transfer[NODES_MAX][FRAMES * REGIONS_MAX], raster_count[NODES_MAX] = {0};
+    ticks raster_cost[NODES_MAX][FRAMES * REGIONS_MAX],
+        raster_length[NODES_MAX][FRAMES * REGIONS_MAX];
+    int shade_history[NODES_MAX][FRAMES * REGIONS_MAX],
+        colour_history[NODES_MAX][FRAMES * REGIONS_MAX], shade_count[NODES_MAX] = {0};
     ticks shade_cost[NODES_MAX][FRAMES * REGIONS_MAX];
     for (int f = 0; f < FRAMES; f++) {
         const ticks g_time = (ticks)((w->geometry_bytes[f] + 3) / 4) * m->geometry_word;
         rule(g, geometry[f], 0, 0);
         if (f)
-            rule(g, geometry[f], geometry[f - 1], (ticks)((w->geometry_bytes[f - 1] + 3) / 4) * m->geometry_word);
+            rule(g, geometry[f], geometry[f - 1],
+                 (ticks)((w->geometry_bytes[f - 1] + 3) / 4) * m->geometry_word);
         rule(g, end[f], geometry[f], g_time);
         if (f)
             rule(g, end[f], end[f - 1], 0);
-        for (uint32_t i = 0; f >= frames && i < w->r; i++) /* all work of frame f - frames is rastered */
+        for (uint32_t i = 0; f >= frames && i < w->r;
+             i++) /* all work of frame f - frames is rastered */
             for (int n = 0; n < raster_count[i]; n++)
                 if (raster_history[i][n] < geometry[f - frames + 1])
                     rule(g, geometry[f], raster_history[i][n], raster_cost[i][n]);
         if (f >= frames)
-            rule(g, geometry[f], geometry[f - frames], (ticks)((w->geometry_bytes[f - frames] + 3) / 4) * m->geometry_word);
+            rule(g, geometry[f], geometry[f - frames],
+                 (ticks)((w->geometry_bytes[f - frames] + 3) / 4) * m->geometry_word);
         for (uint32_t k = 0; k < w->count; k++) {
             const struct timing_region *region = &w->regions[f][k];
-            const ticks length = region->words ? m->composition_word * 8192 * region->words : m->composition_word;
+            const ticks length =
+                region->words ? m->composition_word * 8192 * region->words : m->composition_word;
             const uint32_t j = k % w->s;
             const ticks chain = hop * ((ticks)w->r + j), way = hop * ((ticks)w->s - j);
             const int x = transfer[f][k];
@@ -126,12 +133,14 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
             for (uint32_t e = 0; e < region->work_count; e++) {
                 const uint32_t i = region->work[e].node;
                 const int at = raster[f][k][i], n = raster_count[i]++;
-                const ticks cost = m->raster_region + m->raster_triangle * region->work[e].triangles;
+                const ticks cost =
+                    m->raster_region + m->raster_triangle * region->work[e].triangles;
                 rule(g, at, geometry[f], g_time);
                 if (n)
                     rule(g, at, raster_history[i][n - 1], raster_cost[i][n - 1]);
                 if (n >= buffers) /* the buffer is free when its transfer has passed this node */
-                    rule(g, at, raster_transfer[i][n - buffers], raster_length[i][n - buffers] + hop * i);
+                    rule(g, at, raster_transfer[i][n - buffers],
+                         raster_length[i][n - buffers] + hop * i);
                 rule(g, x, at, cost - hop * i);
                 raster_history[i][n] = at;
                 raster_cost[i][n] = cost;
@@ -143,7 +152,8 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
                 continue;
             }
             const int n = shade_count[j]++;
-            if (n >= buffers) /* colours of the region before the last in this buffer have left the node */
+            if (n >= buffers) /* colours of the region before the last in this buffer have left the
+                                 node */
                 rule(g, x, colour_history[j][n - buffers], colours - way - chain);
             rule(g, shade[f][k], x, length + chain);
             if (n)
@@ -162,8 +172,12 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
 }
 
 static struct machine random_machine(struct rng *rng) {
-    struct machine m = {.region_width = 128, .region_height = 64, .composition_word_bytes = 32,
-                        .composition_depth_bytes = 4, .composition_shader_id_bytes = 2, .geometry_word_bytes = 4};
+    struct machine m = {.region_width = 128,
+                        .region_height = 64,
+                        .composition_word_bytes = 32,
+                        .composition_depth_bytes = 4,
+                        .composition_shader_id_bytes = 2,
+                        .geometry_word_bytes = 4};
     m.rate.per_s = 1000000000;
     m.composition_word = 1 + (ticks)rng_below(rng, 5);
     m.composition_hop = (ticks)rng_below(rng, 3000);
@@ -194,8 +208,8 @@ static void recurrence_agrees_to_the_tick_with_the_rules_as_a_graph(void **state
             const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count};
             assert_true(timing_model_add_frame(model, &frame, &result, NULL));
             if (result.end != graph.at[end[f]])
-                fail_msg("round %d, frame %d: %lld, by the graph %lld", round, f, (long long)result.end,
-                         (long long)graph.at[end[f]]);
+                fail_msg("round %d, frame %d: %lld, by the graph %lld", round, f,
+                         (long long)result.end, (long long)graph.at[end[f]]);
             assert_int_equal(result.time, result.end - before);
             assert_true(result.time >= 0);
             before = result.end;
@@ -241,7 +255,8 @@ static void less_of_anything_never_takes_longer(void **state) {
         better = machine;
         better.geometry_word = 1;
         assert_true(time_of(&better, w) <= whole);
-        struct timing_region *region = &w->regions[rng_below(&rng, FRAMES)][rng_below(&rng, w->count)];
+        struct timing_region *region =
+            &w->regions[rng_below(&rng, FRAMES)][rng_below(&rng, w->count)];
         region->shading /= 2;
         assert_true(time_of(&machine, w) <= whole);
     }

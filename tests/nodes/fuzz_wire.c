@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Any bytes as a message: first as they are, then as the payload of each kind of message under a good header, so
- * that the decoders themselves are reached. Nothing may crash, and what a decoder accepts must be safe to use. */
+/* Any bytes as a message: first as they are, then as the payload of each kind of message under a
+ * good header, so that the decoders themselves are reached. Nothing may crash, and what a decoder
+ * accepts must be safe to use. */
 #include "nodes/protocol.h"
 
 #include <stdio.h>

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "images/image.h"
 #include "nodes/driver_in_process.h"
@@ -34,7 +30,8 @@ static void tap(void *context, struct node_address from, const struct node_outpu
     tapped->regions_sent += header.kind == WIRE_REGION;
     tapped->region_bytes += header.kind == WIRE_REGION ? output->message->length : 0;
     tapped->empty_messages += header.kind == WIRE_EMPTY_REGIONS;
-    if (from.role != NODE_HOST || output->message == tapped->last || header.kind == WIRE_CONFIGURATION)
+    if (from.role != NODE_HOST || output->message == tapped->last ||
+        header.kind == WIRE_CONFIGURATION)
         return;
     tapped->last = output->message;
     tapped->charged[header.cause] += header.charged_bytes[0];
@@ -44,15 +41,15 @@ static void tap(void *context, struct node_address from, const struct node_outpu
 static struct node_services counting;
 static struct tapped *counting_into;
 
-static bool count_load(void *context, const char *name, const char *source, const struct shader_module **module,
-                       struct status *status) {
+static bool count_load(void *context, const char *name, const char *source,
+                       const struct shader_module **module, struct status *status) {
     struct node_services *inner = context;
     counting_into->shader_loads++;
     return inner->load_shader(inner->context, name, source, module, status);
 }
 
-static bool keep_nothing(void *context, struct image *image, const char *path, uint32_t compression, bool png,
-                         struct status *status) {
+static bool keep_nothing(void *context, struct image *image, const char *path, uint32_t compression,
+                         bool png, struct status *status) {
     image_destroy(image);
     return true;
 }
@@ -61,7 +58,8 @@ static bool nothing_to_finish(void *context, struct status *status) {
     return true;
 }
 
-/* Renders a scene text; the report stays valid until the cluster is finished by the caller's `check`. */
+/* Renders a scene text; the report stays valid until the cluster is finished by the caller's
+ * `check`. */
 static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tapped *tapped,
                 void (*check)(const struct host_report *report, const struct tapped *tapped)) {
     static const char *const folders[] = {SHADERS};
@@ -73,9 +71,15 @@ static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tap
     trace_init(&trace, "test", NULL);
     struct local_services *services = local_services_create(&trace, NULL);
     counting_into = tapped;
-    counting = (struct node_services){(void *)local_services_interface(services), count_load, keep_nothing, nothing_to_finish};
-    struct host_options options = {.scene = path, .rendering_nodes = r, .shading_nodes = s, .shader_folders = folders,
-                                   .shader_folder_count = 1, .frames = frames, .seed = 1};
+    counting = (struct node_services){(void *)local_services_interface(services), count_load,
+                                      keep_nothing, nothing_to_finish};
+    struct host_options options = {.scene = path,
+                                   .rendering_nodes = r,
+                                   .shading_nodes = s,
+                                   .shader_folders = folders,
+                                   .shader_folder_count = 1,
+                                   .frames = frames,
+                                   .seed = 1};
     struct status status = {0};
     struct node *nodes[32];
     struct visibility_device *device;
@@ -100,9 +104,12 @@ static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tap
     unlink(path);
 }
 
-#define CAMERA "Format 640 512 1\nProjection \"perspective\" \"fov\" [40]\nWorldBegin\nLightSource \"distant\" 1\n"
-static const char two_spheres[] = CAMERA "Surface \"plastic\"\nTranslate 0 0 5\nColor [1 0 0]\nSphere 1 -1 1 360\n"
-                                         "Surface \"matte\"\nTranslate 0.5 0 0\nSphere 1 -1 1 360\nWorldEnd\n";
+#define CAMERA                                                                                     \
+    "Format 640 512 1\nProjection \"perspective\" \"fov\" [40]\nWorldBegin\nLightSource "          \
+    "\"distant\" 1\n"
+static const char two_spheres[] =
+    CAMERA "Surface \"plastic\"\nTranslate 0 0 5\nColor [1 0 0]\nSphere 1 -1 1 360\n"
+           "Surface \"matte\"\nTranslate 0.5 0 0\nSphere 1 -1 1 360\nWorldEnd\n";
 
 static void check_charges(const struct host_report *report, const struct tapped *tapped) {
     uint64_t reported[CAUSE_COUNT] = {0};
@@ -130,7 +137,8 @@ static void check_still(const struct host_report *report, const struct tapped *t
     for (size_t f = 1; f < 4; f++) {
         assert_int_equal(report->frames[f].samples_covered, report->frames[0].samples_covered);
         assert_int_equal(report->frames[f].composition.total, report->frames[0].composition.total);
-        assert_int_equal(report->frames[f].geometry.bytes[CAUSE_PRIMITIVES], report->frames[0].geometry.bytes[CAUSE_PRIMITIVES]);
+        assert_int_equal(report->frames[f].geometry.bytes[CAUSE_PRIMITIVES],
+                         report->frames[0].geometry.bytes[CAUSE_PRIMITIVES]);
     }
     /* shaders are announced once */
     assert_true(report->frames[0].geometry.bytes[CAUSE_SHADERS] > 0);
@@ -171,8 +179,11 @@ static void only_instances_in_view_are_made_and_loaded(void **state) {
     FILE *scene = open_memstream(&text, &size);
     fprintf(scene, CAMERA);
     for (int i = 0; i < 1000; i++)
-        fprintf(scene, "AttributeBegin Surface \"plastic\" \"uniform float roughness\" [%g] Translate %g 0 5 Sphere 0.2 -0.2 0.2 360 "
-                       "AttributeEnd\n", 0.01 + i * 1e-4, i < 3 ? i - 1.0 : 100.0 + i);
+        fprintf(scene,
+                "AttributeBegin Surface \"plastic\" \"uniform float roughness\" [%g] Translate %g "
+                "0 5 Sphere 0.2 -0.2 0.2 360 "
+                "AttributeEnd\n",
+                0.01 + i * 1e-4, i < 3 ? i - 1.0 : 100.0 + i);
     fprintf(scene, "WorldEnd\n");
     fclose(scene);
     run(text, 2, 1, 1, &tapped, check_few);
@@ -187,7 +198,8 @@ static void instances_equal_in_everything_are_one(void **state) {
     (void)state;
     struct tapped tapped;
     run(CAMERA "AttributeBegin Surface \"matte\" Translate 0 0 5 Sphere 1 -1 1 360 AttributeEnd\n"
-               "AttributeBegin Translate 1 1 6 Surface \"matte\" Sphere 1 -1 1 360 AttributeEnd\nWorldEnd\n",
+               "AttributeBegin Translate 1 1 6 Surface \"matte\" Sphere 1 -1 1 360 "
+               "AttributeEnd\nWorldEnd\n",
         2, 2, 1, &tapped, check_merged);
 }
 

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "nodes/execution_counts.h"
 #include "nodes/host_node.h"
@@ -65,14 +61,15 @@ static void pictures_are_numbered_where_the_pattern_says(void **state) {
         int number;
         const char *name;
     } cases[] = {
-        {"a.exr", false, 1, "a.exr"},        {"a.exr", true, 1, "a.0001.exr"},
-        {"d.x/a", true, 12, "d.x/a.0012"},   {"f%03d.exr", true, 7, "f007.exr"},
-        {"f%d.exr", false, 7, "f7.exr"},     {"100%.exr", false, 7, "100%.exr"},
+        {"a.exr", false, 1, "a.exr"},           {"a.exr", true, 1, "a.0001.exr"},
+        {"d.x/a", true, 12, "d.x/a.0012"},      {"f%03d.exr", true, 7, "f007.exr"},
+        {"f%d.exr", false, 7, "f7.exr"},        {"100%.exr", false, 7, "100%.exr"},
         {"%s%n.exr", true, 2, "%s%n.0002.exr"},
     };
     char name[64];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        assert_true(host_image_name(cases[i].pattern, cases[i].is_sequence, cases[i].number, name, sizeof name, NULL));
+        assert_true(host_image_name(cases[i].pattern, cases[i].is_sequence, cases[i].number, name,
+                                    sizeof name, NULL));
         assert_string_equal(name, cases[i].name);
     }
     struct status status = {0};

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "base/rng.h"
 #include "nodes/triangle_setup.h"
@@ -21,9 +17,15 @@ static struct machine pixelflow(void) {
 }
 
 static struct frame_payload camera(uint32_t width, uint32_t height, bool is_perspective) {
-    return (struct frame_payload){.width = width, .height = height, .samples_x = 1, .samples_y = 1,
-                                  .is_perspective = is_perspective, .screen_window = {-1, 1, -1, 1},
-                                  .near_plane = 0.1, .far_plane = 1e30, .image_path = ""};
+    return (struct frame_payload){.width = width,
+                                  .height = height,
+                                  .samples_x = 1,
+                                  .samples_y = 1,
+                                  .is_perspective = is_perspective,
+                                  .screen_window = {-1, 1, -1, 1},
+                                  .near_plane = 0.1,
+                                  .far_plane = 1e30,
+                                  .image_path = ""};
 }
 
 static void random_triangle(struct rng *rng, float v[9]) {
@@ -34,21 +36,24 @@ static void random_triangle(struct rng *rng, float v[9]) {
 }
 
 /* The place of a ray on a triangle by the textbook, in long double: plane, then edge products. */
-static bool textbook_hit(const float v[9], float x, float y, bool is_perspective, long double *depth,
-                         long double weight[3]) {
-    long double e1[3], e2[3], d[3] = {is_perspective ? x : 0, is_perspective ? y : 0, 1}, o[3] = {0};
+static bool textbook_hit(const float v[9], float x, float y, bool is_perspective,
+                         long double *depth, long double weight[3]) {
+    long double e1[3], e2[3], d[3] = {is_perspective ? x : 0, is_perspective ? y : 0, 1},
+                              o[3] = {0};
     if (!is_perspective)
         o[0] = x, o[1] = y;
     for (int i = 0; i < 3; i++) {
         e1[i] = (long double)v[3 + i] - v[i];
         e2[i] = (long double)v[6 + i] - v[i];
     }
-    const long double p[3] = {d[1] * e2[2] - d[2] * e2[1], d[2] * e2[0] - d[0] * e2[2], d[0] * e2[1] - d[1] * e2[0]};
+    const long double p[3] = {d[1] * e2[2] - d[2] * e2[1], d[2] * e2[0] - d[0] * e2[2],
+                              d[0] * e2[1] - d[1] * e2[0]};
     const long double det = e1[0] * p[0] + e1[1] * p[1] + e1[2] * p[2];
     if (fabsl(det) < 1e-12L)
         return false;
     const long double t[3] = {o[0] - v[0], o[1] - v[1], o[2] - v[2]};
-    const long double q[3] = {t[1] * e1[2] - t[2] * e1[1], t[2] * e1[0] - t[0] * e1[2], t[0] * e1[1] - t[1] * e1[0]};
+    const long double q[3] = {t[1] * e1[2] - t[2] * e1[1], t[2] * e1[0] - t[0] * e1[2],
+                              t[0] * e1[1] - t[1] * e1[0]};
     weight[1] = (t[0] * p[0] + t[1] * p[1] + t[2] * p[2]) / det;
     weight[2] = (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / det;
     weight[0] = 1 - weight[1] - weight[2];
@@ -89,7 +94,8 @@ static void setup_gives_depth_and_weights_of_the_textbook(void **state) {
 static void degenerate_triangles_have_no_setup(void **state) {
     (void)state;
     struct triangle_setup setup;
-    const float a[] = {0, 0, 1}, b[] = {1, 0, 1}, c[] = {2, 0, 1}, nan[] = {NAN, 0, 1}, inf[] = {INFINITY, 0, 1};
+    const float a[] = {0, 0, 1}, b[] = {1, 0, 1}, c[] = {2, 0, 1}, nan[] = {NAN, 0, 1},
+                inf[] = {INFINITY, 0, 1};
     assert_false(triangle_setup_make(a, b, c, true, &setup));
     assert_false(triangle_setup_make(a, a, b, false, &setup));
     assert_false(triangle_setup_make(a, b, nan, true, &setup));
@@ -112,13 +118,15 @@ static void every_sample_inside_a_triangle_lies_in_a_marked_tile(void **state) {
         for (uint32_t y = 0; y < frame.height; y++)
             for (uint32_t x = 0; x < frame.width; x++) {
                 long double depth, w[3];
-                const float sx = region_grid_screen_x(&grid, &frame, x), sy = region_grid_screen_y(&grid, &frame, y);
-                if (!textbook_hit(v, sx, sy, frame.is_perspective, &depth, w) || w[0] < 0 || w[1] < 0 || w[2] < 0 ||
-                    depth < frame.near_plane)
+                const float sx = region_grid_screen_x(&grid, &frame, x),
+                            sy = region_grid_screen_y(&grid, &frame, y);
+                if (!textbook_hit(v, sx, sy, frame.is_perspective, &depth, w) || w[0] < 0 ||
+                    w[1] < 0 || w[2] < 0 || depth < frame.near_plane)
                     continue;
                 const uint32_t k = y / grid.region_height * grid.columns + x / grid.region_width;
                 assert_non_null(bins.bins[k]);
-                assert_true(region_bin_has_tile(&bins, bins.bins[k], x % grid.region_width / TILE_SAMPLES,
+                assert_true(region_bin_has_tile(&bins, bins.bins[k],
+                                                x % grid.region_width / TILE_SAMPLES,
                                                 y % grid.region_height / TILE_SAMPLES));
                 inside++;
             }
@@ -128,14 +136,19 @@ static void every_sample_inside_a_triangle_lies_in_a_marked_tile(void **state) {
 }
 
 /* One chunk of the triangles given; the arrays must outlive it. */
-static struct chunk_payload chunk_of(const float *positions, uint32_t triangles, uint16_t *indices) {
+static struct chunk_payload chunk_of(const float *positions, uint32_t triangles,
+                                     uint16_t *indices) {
     for (uint32_t i = 0; i < triangles * 3; i++)
         indices[i] = (uint16_t)i;
-    return (struct chunk_payload){.shader_id = 1, .vertex_count = triangles * 3, .triangle_count = triangles,
-                                  .positions = positions, .triangles = indices};
+    return (struct chunk_payload){.shader_id = 1,
+                                  .vertex_count = triangles * 3,
+                                  .triangle_count = triangles,
+                                  .positions = positions,
+                                  .triangles = indices};
 }
 
-static uint32_t covered_samples(const struct frame_payload *frame, const struct chunk_payload *chunk) {
+static uint32_t covered_samples(const struct frame_payload *frame,
+                                const struct chunk_payload *chunk) {
     const struct machine machine = pixelflow();
     const struct region_grid grid = region_grid_make(frame, &machine);
     struct visibility_device *device;
@@ -147,8 +160,10 @@ static uint32_t covered_samples(const struct frame_payload *frame, const struct 
         struct region_view view;
         if (!visibility_bins(visibility)->bins[k])
             continue;
-        struct message *message = visibility_render(visibility, 0, k, (struct node_address){NODE_RENDERING, 0});
-        assert_true(region_open(message->bytes, message->length, grid.region_width * grid.region_height, &view, NULL));
+        struct message *message =
+            visibility_render(visibility, 0, k, (struct node_address){NODE_RENDERING, 0});
+        assert_true(region_open(message->bytes, message->length,
+                                grid.region_width * grid.region_height, &view, NULL));
         covered += view.head.sample_count;
         message_release(message);
     }
@@ -159,17 +174,21 @@ static uint32_t covered_samples(const struct frame_payload *frame, const struct 
 
 static void a_full_screen_mesh_covers_every_sample_in_any_vertex_order(void **state) {
     (void)state;
-    /* edges and the common vertex lie exactly on sample centres: 15 x 9 samples, the middle one at (0, 0) */
+    /* edges and the common vertex lie exactly on sample centres: 15 x 9 samples, the middle one at
+     * (0, 0) */
     static const float corner[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     for (int is_perspective = 0; is_perspective < 2; is_perspective++)
         for (int order = 0; order < 6; order++) {
-            static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+            static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                             {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
             const struct frame_payload frame = camera(15, 9, is_perspective);
             float positions[4 * 9];
             uint16_t indices[12];
             for (int t = 0; t < 4; t++) {
-                const float fan[3][3] = {{0, 0, 2}, {2 * corner[t][0], 2 * corner[t][1], 2},
-                                         {2 * corner[(t + 1) % 4][0], 2 * corner[(t + 1) % 4][1], 2}};
+                const float fan[3][3] = {
+                    {0, 0, 2},
+                    {2 * corner[t][0], 2 * corner[t][1], 2},
+                    {2 * corner[(t + 1) % 4][0], 2 * corner[(t + 1) % 4][1], 2}};
                 for (int i = 0; i < 3; i++)
                     memcpy(positions + t * 9 + i * 3, fan[orders[order][i]], 3 * sizeof(float));
             }
@@ -180,8 +199,9 @@ static void a_full_screen_mesh_covers_every_sample_in_any_vertex_order(void **st
 
 static void extreme_triangles_do_no_harm(void **state) {
     (void)state;
-    const float extremes[] = {0, -0.0f, 1e-30f, 1e30f, -1e30f, FLT_MAX, -FLT_MAX, FLT_MIN, 1e-45f, INFINITY, -INFINITY, NAN,
-                              8388608.5f, 1, -1, 0.1f};
+    const float extremes[] = {0,          -0.0f,   1e-30f, 1e30f,    -1e30f,    FLT_MAX,
+                              -FLT_MAX,   FLT_MIN, 1e-45f, INFINITY, -INFINITY, NAN,
+                              8388608.5f, 1,       -1,     0.1f};
     struct rng rng = {4};
     const struct frame_payload frame = camera(129, 65, true);
     for (int round = 0; round < 300; round++) {

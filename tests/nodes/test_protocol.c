@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/test_harness.h"
 
 #include "base/rng.h"
 #include "nodes/protocol.h"
@@ -64,8 +60,13 @@ static struct message *sample_configuration(void) {
 
 static struct message *sample_record(void) {
     int64_t busy[3] = {1, 2, 3};
-    const struct frame_record record = {.frame = 2, .rendering_nodes = 3, .shading_nodes = 2, .raster_busy_ps = busy,
-                                        .shading_busy_ps = busy, .time_ps = 5, .image_path = "x.exr"};
+    const struct frame_record record = {.frame = 2,
+                                        .rendering_nodes = 3,
+                                        .shading_nodes = 2,
+                                        .raster_busy_ps = busy,
+                                        .shading_busy_ps = busy,
+                                        .time_ps = 5,
+                                        .image_path = "x.exr"};
     return frame_record_encode(&record, 0);
 }
 
@@ -74,7 +75,8 @@ static void charges_are_what_the_messages_carry(void **state) {
     struct wire_header header;
     struct message *instance = sample_instance(), *chunk = sample_chunk();
     assert_true(wire_open(instance->bytes, instance->length, &header, NULL));
-    /* two floats were given, two coordinate systems are used; identity, shader and two lights are control */
+    /* two floats were given, two coordinate systems are used; identity, shader and two lights are
+     * control */
     assert_int_equal(header.cause, CAUSE_BOUND_PARAMETERS);
     assert_int_equal(header.charged_bytes[0], 2 * 4 + 2 * 64);
     assert_int_equal(header.charged_bytes[1], 8 + 2 * 4);
@@ -111,7 +113,8 @@ static void what_is_encoded_is_decoded(void **state) {
 }
 
 typedef struct message *maker(void);
-static maker *const makers[] = {sample_region, sample_colour, sample_instance, sample_chunk, sample_configuration, sample_record};
+static maker *const makers[] = {sample_region, sample_colour,        sample_instance,
+                                sample_chunk,  sample_configuration, sample_record};
 
 static void a_flipped_bit_is_noticed_by_who_takes_the_message_apart(void **state) {
     (void)state;
@@ -138,7 +141,8 @@ static void a_flipped_bit_is_noticed_by_who_takes_the_message_apart(void **state
 static void damaged_payloads_under_good_checksums_do_no_harm(void **state) {
     (void)state;
     struct rng rng = {6};
-    static const enum wire_kind kinds[] = {WIRE_REGION, WIRE_COLOUR, WIRE_INSTANCE, WIRE_CHUNK, WIRE_CONFIGURATION, WIRE_FRAME_DONE};
+    static const enum wire_kind kinds[] = {WIRE_REGION, WIRE_COLOUR,        WIRE_INSTANCE,
+                                           WIRE_CHUNK,  WIRE_CONFIGURATION, WIRE_FRAME_DONE};
     for (size_t m = 0; m < sizeof makers / sizeof *makers; m++) {
         struct message *message = makers[m]();
         const size_t length = message->length - WIRE_HEADER_BYTES;
@@ -147,8 +151,10 @@ static void damaged_payloads_under_good_checksums_do_no_harm(void **state) {
             input[0] = (uint8_t)kinds[m];
             memcpy(input + 1, message->bytes + WIRE_HEADER_BYTES, length);
             for (uint64_t damage = 1 + rng_below(&rng, 4); damage; damage--)
-                input[1 + rng_below(&rng, length)] = (uint8_t)(rng_below(&rng, 2) ? rng_next(&rng) : rng_below(&rng, 2) * 255);
-            LLVMFuzzerTestOneInput(input, 1 + (rng_below(&rng, 4) ? length : rng_below(&rng, length + 1)));
+                input[1 + rng_below(&rng, length)] =
+                    (uint8_t)(rng_below(&rng, 2) ? rng_next(&rng) : rng_below(&rng, 2) * 255);
+            LLVMFuzzerTestOneInput(input,
+                                   1 + (rng_below(&rng, 4) ? length : rng_below(&rng, length + 1)));
         }
         free(input);
         message_release(message);

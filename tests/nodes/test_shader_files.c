@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "tests/test_harness.h"
 #include "nodes/shader_library.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
 
 /* A folder of shaders on disk: what they include is found next to them, then in any folder. */
 
@@ -29,7 +27,8 @@ static void included_files_are_found(void **state) {
     snprintf(far, sizeof far, "%s/far", root);
     assert_int_equal(mkdir(near, 0700), 0);
     assert_int_equal(mkdir(far, 0700), 0);
-    write_file(near, "a.sl", "#include \"half.h\"\n#include \"third.h\"\nsurface a() { Ci = HALF + THIRD; }");
+    write_file(near, "a.sl",
+               "#include \"half.h\"\n#include \"third.h\"\nsurface a() { Ci = HALF + THIRD; }");
     write_file(near, "half.h", "#define HALF 0.5\n");
     write_file(far, "half.h", "#define HALF wrong\n");
     write_file(far, "third.h", "#define THIRD 0.25\n");
@@ -41,8 +40,10 @@ static void included_files_are_found(void **state) {
     struct status status = {0};
     if (!shader_library_variant(library, "a", SHADER_KIND_SURFACE, NULL, 0, &at, &variant, &status))
         fail_msg("%s", status.message);
-    assert_false(shader_library_variant(library, "b", SHADER_KIND_SURFACE, NULL, 0, &at, &variant, &status));
-    assert_non_null(strstr(status.message, "b.sl:1:10: error: cannot find \"missing.h\" to include"));
+    assert_false(
+        shader_library_variant(library, "b", SHADER_KIND_SURFACE, NULL, 0, &at, &variant, &status));
+    assert_non_null(
+        strstr(status.message, "b.sl:1:10: error: cannot find \"missing.h\" to include"));
     shader_library_destroy(library);
     snprintf(command, sizeof command, "rm -r '%s'", root);
     assert_int_equal(system(command), 0);
