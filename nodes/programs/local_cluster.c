@@ -24,6 +24,7 @@ enum {
     CAUSE_PATIENCE_MS = 1500, /* how long to wait for the cause when a node says it lost another */
     LEAVE_PATIENCE_MS =
         10000, /* how long nodes get to leave: finished frames are still being written */
+    STOPPED_PATIENCE_MS = 500,
     POLL_MS = 5,
     ARGUMENTS_MAX = 16,
 };
@@ -264,10 +265,12 @@ static void end_all(struct local_cluster *cluster, bool are_leaving) {
         if (!reap(cluster))
             pause_ms(POLL_MS);
     signal_all(cluster, SIGTERM);
-    signal_all(cluster, SIGCONT); /* a stopped process would not hear it */
-    for (int waited = 0; any_left(cluster) && waited < LEAVE_PATIENCE_MS; waited += POLL_MS)
+    for (int waited = 0; any_left(cluster) && waited < LEAVE_PATIENCE_MS; waited += POLL_MS) {
+        if (waited == STOPPED_PATIENCE_MS)
+            signal_all(cluster, SIGCONT); /* a stopped process would not hear the other */
         if (!reap(cluster))
             pause_ms(POLL_MS);
+    }
     signal_all(cluster, SIGKILL);
     while (any_left(cluster))
         if (!reap(cluster))
