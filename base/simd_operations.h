@@ -29,7 +29,27 @@
     X(EXP2, "exp2", "2 to the power")                                                              \
     X(LOG, "log", "natural logarithm")                                                             \
     X(LOG2, "log2", "logarithm to base 2")                                                         \
-    X(POW, "pow", "general power")
+    X(POW, "pow", "general power")                                                                 \
+    X(SIN_FAST, "sin_fast", "sine, fast version")                                                  \
+    X(COS_FAST, "cos_fast", "cosine, fast version")                                                \
+    X(TAN_FAST, "tan_fast", "tangent, fast version")                                               \
+    X(ASIN_FAST, "asin_fast", "inverse sine, fast version")                                        \
+    X(ACOS_FAST, "acos_fast", "inverse cosine, fast version")                                      \
+    X(ATAN_FAST, "atan_fast", "inverse tangent, fast version")                                     \
+    X(ATAN2_FAST, "atan2_fast", "inverse tangent of a quotient, fast version")                     \
+    X(EXP_FAST, "exp_fast", "e to the power, fast version")                                        \
+    X(EXP2_FAST, "exp2_fast", "2 to the power, fast version")                                      \
+    X(LOG_FAST, "log_fast", "natural logarithm, fast version")                                     \
+    X(LOG2_FAST, "log2_fast", "logarithm to base 2, fast version")                                 \
+    X(POW_FAST, "pow_fast", "general power, fast version")                                         \
+    X(FIXED_ADD_BASE, "fixed_add_base", "fixed-point add: constant part")                          \
+    X(FIXED_ADD_BYTE, "fixed_add_byte", "fixed-point add: per byte")                               \
+    X(FIXED_MULTIPLY_BYTE2, "fixed_multiply_byte2", "fixed-point multiply: per byte squared")      \
+    X(FIXED_DIVIDE_BYTE2, "fixed_divide_byte2", "fixed-point divide: per byte squared")            \
+    X(FIXED16_SQRT, "fixed16_sqrt", "square root of 16-bit fixed-point")                           \
+    X(FIXED32_SQRT, "fixed32_sqrt", "square root of 32-bit fixed-point")                           \
+    X(FIXED16_NOISE, "fixed16_noise", "noise in 16-bit fixed-point")                               \
+    X(SPILL_BYTE, "spill_byte", "a byte of pixel memory to or from texture memory")
 
 enum simd_operation {
 #define SIMD_OPERATION_ENUM(name, key, what) SIMD_##name,
@@ -37,5 +57,21 @@ enum simd_operation {
 #undef SIMD_OPERATION_ENUM
         SIMD_OPERATION_COUNT
 };
+
+/* The mathematical functions that have a fast version (PF section 6.1.4 and table 3). */
+#define SIMD_FAST_FUNCTIONS(X)                                                                     \
+    X(SIN) X(COS) X(TAN) X(ASIN) X(ACOS) X(ATAN) X(ATAN2) X(EXP) X(EXP2) X(LOG) X(LOG2) X(POW)
+
+/* The fast version of an operation, or the operation itself when it has none. */
+static inline int simd_operation_fast(int operation) {
+    switch (operation) {
+#define SIMD_FAST_CASE(name)                                                                       \
+    case SIMD_##name:                                                                              \
+        return SIMD_##name##_FAST;
+        SIMD_FAST_FUNCTIONS(SIMD_FAST_CASE)
+#undef SIMD_FAST_CASE
+    }
+    return operation;
+}
 
 #endif

@@ -200,23 +200,6 @@ bool machine_read_file(const char *path, struct machine *machine, struct status 
     return ok;
 }
 
-bool machine_use_fast_math(struct machine *machine, struct status *status) {
-    int64_t *price = machine->operation_ps;
-    price[SIMD_SIN] = machine->sin_fast_ps;
-    price[SIMD_COS] = machine->cos_fast_ps;
-    price[SIMD_TAN] = machine->tan_fast_ps;
-    price[SIMD_ASIN] = machine->asin_fast_ps;
-    price[SIMD_ACOS] = machine->acos_fast_ps;
-    price[SIMD_ATAN] = machine->atan_fast_ps;
-    price[SIMD_ATAN2] = machine->atan2_fast_ps;
-    price[SIMD_EXP] = machine->exp_fast_ps;
-    price[SIMD_EXP2] = machine->exp2_fast_ps;
-    price[SIMD_LOG] = machine->log_fast_ps;
-    price[SIMD_LOG2] = machine->log2_fast_ps;
-    price[SIMD_POW] = machine->log_fast_ps + price[SIMD_FLOAT_MULTIPLY] + machine->exp_fast_ps;
-    return derive_ticks(machine, status);
-}
-
 int64_t machine_region_samples(const struct machine *machine) {
     return machine->region_width * machine->region_height;
 }

@@ -16,7 +16,7 @@ struct machine {
 #define MACHINE_FIELD(field, unit, minimum, maximum, what) int64_t field;
     MACHINE_PARAMETERS(MACHINE_FIELD)
 #undef MACHINE_FIELD
-    int64_t operation_ps[SIMD_OPERATION_COUNT]; /* exact float versions, once for the whole array */
+    int64_t operation_ps[SIMD_OPERATION_COUNT]; /* once for the whole array */
 
     /* Derived by machine_derive: */
     struct tick_rate rate;
@@ -56,10 +56,6 @@ bool machine_parse(const char *file, const char *text, struct machine *machine,
 void machine_to_values(const struct machine *machine, int64_t values[MACHINE_VALUE_COUNT]);
 bool machine_from_values(const char *name, const int64_t values[MACHINE_VALUE_COUNT],
                          struct machine *machine, struct status *status);
-
-/* Prices the mathematical functions as their fast versions (PF table 3): what shaders compiled with
- * fast math cost. pow is log, multiply and exp. */
-bool machine_use_fast_math(struct machine *machine, struct status *status);
 
 /* Samples of a region, and composition words a sample takes with `map_floats` floats of parameters
  * (the shader ID comes on top; FACTS: 28 payload bytes of every 32). At least one word. */

@@ -26,24 +26,6 @@
     X(geometry_frame_buffers, "frames", 1, 64, "frames a node holds while another is composed")    \
     X(raster_triangle_ps, "ps", 0, 1000000000000, "a triangle in a region, on a rendering node")   \
     X(raster_region_ps, "ps", 0, 1000000000000, "begin of a region that holds any triangle")       \
-    X(target_frames_per_s, "frames/s", 1, 100000, "rate that budgets aim at")                      \
-    X(fixed_add_base_ps, "ps", 0, 1000000000000, "fixed-point add: constant part")                 \
-    X(fixed_add_byte_ps, "ps", 0, 1000000000000, "fixed-point add: per byte")                      \
-    X(fixed_multiply_byte2_ps, "ps", 0, 1000000000000, "fixed-point multiply: per byte squared")   \
-    X(fixed_divide_byte2_ps, "ps", 0, 1000000000000, "fixed-point divide: per byte squared")       \
-    X(fixed16_sqrt_ps, "ps", 0, 1000000000000, "square root of 16-bit fixed-point")                \
-    X(fixed32_sqrt_ps, "ps", 0, 1000000000000, "square root of 32-bit fixed-point")                \
-    X(fixed16_noise_ps, "ps", 0, 1000000000000, "noise in 16-bit fixed-point")                     \
-    X(sin_fast_ps, "ps", 0, 1000000000000, "sine, fast version")                                   \
-    X(cos_fast_ps, "ps", 0, 1000000000000, "cosine, fast version")                                 \
-    X(tan_fast_ps, "ps", 0, 1000000000000, "tangent, fast version")                                \
-    X(asin_fast_ps, "ps", 0, 1000000000000, "inverse sine, fast version")                          \
-    X(acos_fast_ps, "ps", 0, 1000000000000, "inverse cosine, fast version")                        \
-    X(atan_fast_ps, "ps", 0, 1000000000000, "inverse tangent, fast version")                       \
-    X(atan2_fast_ps, "ps", 0, 1000000000000, "inverse tangent of a quotient, fast version")        \
-    X(exp_fast_ps, "ps", 0, 1000000000000, "e to the power, fast version")                         \
-    X(exp2_fast_ps, "ps", 0, 1000000000000, "2 to the power, fast version")                        \
-    X(log_fast_ps, "ps", 0, 1000000000000, "natural logarithm, fast version")                      \
-    X(log2_fast_ps, "ps", 0, 1000000000000, "logarithm to base 2, fast version")
+    X(target_frames_per_s, "frames/s", 1, 100000, "rate that budgets aim at")
 
 #endif

@@ -415,8 +415,7 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
         status_fail(&status, STATUS_INVALID, "--bind is missing: where should the nodes call?");
         return usage_error(&status);
     }
-    if (!read_machine(options, &status) ||
-        (options->host.fast_math && !machine_use_fast_math(&options->host.machine, &status)))
+    if (!read_machine(options, &status))
         return usage_error(&status);
     return 0;
 }

@@ -100,7 +100,8 @@ static void price_instruction(struct pricing *p, struct ir_node *node, int block
     } else if (!ir_instruction_reads_varying(node)) {
         add(p, block, stream, SIMD_FLOAT_MOVE, results);
     } else if (info->cost != IR_FREE) {
-        add(p, block, stream, info->cost, results);
+        add(p, block, stream, node->is_fast ? simd_operation_fast(info->cost) : info->cost,
+            results);
     }
 }
 

@@ -50,7 +50,7 @@ static void emit_pattern(struct emitter *e, const struct ir_node *node, const ch
         }
         pattern++;
         if (*pattern == 'F')
-            emit_text(e, "%s", e->c->options && e->c->options->fast_math ? "_fast" : "");
+            emit_text(e, "%s", node->is_fast ? "_fast" : "");
         else
             emit_operand(e, &node->operands[*pattern - '0'], as_vector);
     }

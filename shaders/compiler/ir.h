@@ -95,6 +95,7 @@ struct ir_node {
     struct shader_parameter *parameter;
     int order;    /* in the text, scratch of propagate_copies.c */
     bool is_free; /* loads what is in pixel memory already */
+    bool is_fast; /* takes the fast version of a mathematical function */
     /* if (condition) body else otherwise
      * loop: test; leave unless condition; body
      * illuminance: body once per light, for the samples it lights */

@@ -28,6 +28,7 @@ struct ir_operand lower_operate(struct lowering *l, const struct source_location
     struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, at));
     char result = ir_operations[operation].types[0];
     node->operation = operation;
+    node->is_fast = l->c->options && l->c->options->fast_math;
     node->operands[0] = a;
     node->operands[1] = b;
     node->operands[2] = d;

@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define SHADER_MODULE_ABI 1
+#define SHADER_MODULE_ABI 2
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
 /* A varying loop that runs longer than this at any sample stops there; the call's overrun flag is
@@ -102,7 +102,7 @@ enum shader_stream {
 struct shader_block {
     int parent; /* -1 for block 0 */
     /* operations per execution, by stream and simd_operation (base/simd_operations.h) */
-    uint32_t operations[SHADER_STREAM_COUNT][32];
+    uint32_t operations[SHADER_STREAM_COUNT][64];
 };
 
 struct shader_module {

@@ -28,14 +28,16 @@ static void figures_of_the_paper_are_in_the_description(void **state) {
                   divide[] = {1600000, 6400000};
     for (int i = 0; i < 2; i++) {
         const int64_t b = i ? 4 : 2;
-        assert_int_equal(m.fixed_add_base_ps + b * m.fixed_add_byte_ps, add[i]);
-        assert_int_equal(b * b * m.fixed_multiply_byte2_ps, multiply[i]);
-        assert_int_equal(b * b * m.fixed_divide_byte2_ps, divide[i]);
+        assert_int_equal(m.operation_ps[SIMD_FIXED_ADD_BASE] +
+                             b * m.operation_ps[SIMD_FIXED_ADD_BYTE],
+                         add[i]);
+        assert_int_equal(b * b * m.operation_ps[SIMD_FIXED_MULTIPLY_BYTE2], multiply[i]);
+        assert_int_equal(b * b * m.operation_ps[SIMD_FIXED_DIVIDE_BYTE2], divide[i]);
     }
     assert_int_equal(m.operation_ps[SIMD_FLOAT_ADD], 3080000);
     assert_int_equal(m.operation_ps[SIMD_FLOAT_NOISE], 21640000);
     assert_int_equal(m.operation_ps[SIMD_SIN], 81360000); /* table 3 */
-    assert_int_equal(m.sin_fast_ps, 45640000);
+    assert_int_equal(m.operation_ps[SIMD_SIN_FAST], 45640000);
 }
 
 static void one_tick_is_the_5_ns_clock(void **state) {
