@@ -3,6 +3,7 @@
 #define TIMING_H
 
 #include "netsim/machine.h"
+#include "netsim/strategy.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,17 +12,13 @@
  * into start and end of everything that happened, exactly (docs/timing.md states the equations).
  * Pure: the same costs give the same times however they were obtained. */
 
-struct timing_work {
-    uint32_t node; /* rendering node */
-    uint32_t triangles;
-};
-
 struct timing_region {
     /* Whole words a sample of this region takes on the composition network: the longest map among
      * the candidates; 0 when no node offered a candidate, and the region is a token of one word. */
     uint32_t words;
-    ticks shading;                  /* on its shading node; 0 for a token */
-    const struct timing_work *work; /* raster work, at most one entry for each rendering node */
+    ticks shading; /* on its shading node; 0 for a token */
+    /* Raster work, at most one entry for each rendering node, by ascending number. */
+    const struct timing_work *work;
     uint32_t work_count;
 };
 
@@ -29,6 +26,7 @@ struct timing_frame {
     uint64_t geometry_bytes; /* everything the geometry network carries for this frame */
     const struct timing_region *regions; /* in order of transfer */
     uint32_t region_count;
+    const uint32_t *shading_node; /* of each region; NULL: region k goes to node k mod s */
 };
 
 /* Which resource was busy longest in a frame; ties go to the first listed.
@@ -62,11 +60,16 @@ struct timing_result {
 };
 
 struct timing_model;
+struct timeline;
 
 /* Copies the machine. */
-struct timing_model *timing_model_create(const struct machine *machine, uint32_t rendering_nodes,
+struct timing_model *timing_model_create(const struct machine *machine,
+                                         const struct strategy *strategy, uint32_t rendering_nodes,
                                          uint32_t shading_nodes);
 void timing_model_destroy(struct timing_model *model);
+/* From the first frame on, enters everything that happens in the timeline, with its reason
+ * (timeline.h); made for as many nodes as the model, and the caller's. */
+void timing_model_record(struct timing_model *model, struct timeline *timeline);
 /* Adds the next frame. Fails with STATUS_LIMIT when a time passes 63 bits. */
 bool timing_model_add_frame(struct timing_model *model, const struct timing_frame *frame,
                             struct timing_result *result, struct status *status);

@@ -182,7 +182,9 @@ static bool complete_frame(struct framebuffer_node *self, struct collected_frame
         record->geometry.bytes[cause] = frame->geometry_bytes[cause];
         record->geometry.total += frame->geometry_bytes[cause];
     }
-    const struct timing_frame costs = {record->geometry.total, frame->timing, frame->grid.count};
+    const struct timing_frame costs = {.geometry_bytes = record->geometry.total,
+                                       .regions = frame->timing,
+                                       .region_count = frame->grid.count};
     struct timing_result result;
     if (!timing_model_add_frame(self->timing, &costs, &result, status))
         return false;
@@ -306,8 +308,8 @@ static bool configure(struct framebuffer_node *self, const struct node_event *ev
         return false;
     self->is_configured = true;
     self->timing =
-        timing_model_create(&self->configuration.machine, self->configuration.rendering_nodes,
-                            self->configuration.shading_nodes);
+        timing_model_create(&self->configuration.machine, strategy_at(0),
+                            self->configuration.rendering_nodes, self->configuration.shading_nodes);
     return true;
 }
 

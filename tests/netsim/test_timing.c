@@ -201,11 +201,11 @@ static void recurrence_agrees_to_the_tick_with_the_rules_as_a_graph(void **state
         random_workload(&rng, w);
         build(&graph, &machine, w, end);
         solve(&graph);
-        struct timing_model *model = timing_model_create(&machine, w->r, w->s);
+        struct timing_model *model = timing_model_create(&machine, &strategy_chain, w->r, w->s);
         ticks before = 0;
         for (int f = 0; f < FRAMES; f++) {
             struct timing_result result;
-            const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count};
+            const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count, NULL};
             assert_true(timing_model_add_frame(model, &frame, &result, NULL));
             if (result.end != graph.at[end[f]])
                 fail_msg("round %d, frame %d: %lld, by the graph %lld", round, f,
@@ -222,10 +222,10 @@ static void recurrence_agrees_to_the_tick_with_the_rules_as_a_graph(void **state
 }
 
 static ticks time_of(const struct machine *machine, const struct workload *w) {
-    struct timing_model *model = timing_model_create(machine, w->r, w->s);
+    struct timing_model *model = timing_model_create(machine, &strategy_chain, w->r, w->s);
     struct timing_result result = {0};
     for (int f = 0; f < FRAMES; f++) {
-        const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count};
+        const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count, NULL};
         assert_true(timing_model_add_frame(model, &frame, &result, NULL));
     }
     timing_model_destroy(model);
@@ -290,8 +290,8 @@ static void times_past_63_bits_are_refused(void **state) {
     struct machine machine = random_machine(&rng);
     machine.composition_word = TICKS_MAX / 4096;
     struct timing_region region = {.words = 3};
-    const struct timing_frame frame = {0, &region, 1};
-    struct timing_model *model = timing_model_create(&machine, 1, 1);
+    const struct timing_frame frame = {0, &region, 1, NULL};
+    struct timing_model *model = timing_model_create(&machine, &strategy_chain, 1, 1);
     struct timing_result result;
     struct status status = {0};
     assert_false(timing_model_add_frame(model, &frame, &result, &status));
