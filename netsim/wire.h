@@ -37,7 +37,8 @@ enum { WIRE_VERSION = 1, WIRE_HEADER_BYTES = 64 };
     X(QUIT, "quit", "host", "all")                                                                 \
     X(GOODBYE, "goodbye", "framebuffer node", "host")                                              \
     X(PROBE, "probe", "host", "all")                                                               \
-    X(SHARED, "shared memory", "any node", "another on the same machine")
+    X(SHARED, "shared memory", "any node", "another on the same machine")                          \
+    X(CREDIT, "credit", "any node", "whoever sent it a region")
 
 enum wire_kind {
 #define WIRE_KIND_ENUM(name, text, from, to) WIRE_##name,

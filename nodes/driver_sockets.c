@@ -2,53 +2,25 @@
 #include "nodes/driver_sockets.h"
 
 #include "nodes/protocol.h"
+#include "nodes/socket_connections.h"
 #include "nodes/socket_message.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>
 
 enum {
     POLL_MS = 100,
-    REGIONS_IN_FLIGHT =
-        8, /* per link and side: enough to hide a wake-up, few enough to stay in cache */
     START_DEADLINE_S = 20, /* for the other nodes to say hello */
-    ENDPOINT_BYTES = 256,
-    LINGER_MS = 1000,
-    HEARTBEAT_MS = 1000,
-    HEARTBEAT_TIMEOUT_MS = 20000,
     WORDS_PATIENCE_NS = 400000000,
 };
 
 #define LAST_WORDS_S 0.3
-
-/* Another node as this one reaches it. */
-struct peer {
-    struct node_address address;
-    char routing[24];              /* its name at the host's ROUTER */
-    char endpoint[ENDPOINT_BYTES]; /* of its PULL socket */
-    void *push;                    /* opened when first needed */
-    bool is_known;                 /* host: has said hello */
-    bool is_ready;
-    struct message **queue; /* what could not be sent yet */
-    size_t queue_first, queue_count, queue_capacity;
-};
-
-struct socket_driver {
-    struct node *node;
-    const struct socket_options *options;
-    void *context, *control, *input, *monitor;
-    struct peer *peers; /* every node but this one */
-    size_t peer_count;
-    size_t blocked;                /* messages waiting in queues */
-    char bound[2][ENDPOINT_BYTES]; /* addresses this node listens at: control, input */
-    bool is_started, is_probing;
-    struct timespec last_news, probe_begin;
-};
 
 static double seconds_since(const struct timespec *then) {
     struct timespec now;
@@ -56,16 +28,10 @@ static double seconds_since(const struct timespec *then) {
     return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
 }
 
-static bool is_host(const struct socket_driver *driver) {
-    return driver->node->address.role == NODE_HOST;
-}
-
-static bool socket_failure(const char *what, const char *where, struct status *status) {
-    return status_fail(status, STATUS_IO, "cannot %s %s: %s", what, where, zmq_strerror(errno));
-}
-
-static void routing_name(struct node_address address, char name[24]) {
-    snprintf(name, 24, "node-%08x", node_address_pack(address));
+static int64_t now_ns(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
 static struct peer *find_peer(struct socket_driver *driver, struct node_address address) {
@@ -81,7 +47,7 @@ static void add_peer(struct socket_driver *driver, struct node_address address) 
         return;
     struct peer *peer = &driver->peers[driver->peer_count++];
     *peer = (struct peer){.address = address};
-    routing_name(address, peer->routing);
+    socket_routing_name(address, peer->routing);
 }
 
 static void add_all_peers(struct socket_driver *driver, uint32_t rendering_nodes,
@@ -93,86 +59,6 @@ static void add_all_peers(struct socket_driver *driver, uint32_t rendering_nodes
     for (uint32_t i = 0; i < shading_nodes; i++)
         add_peer(driver, (struct node_address){NODE_SHADING, i});
     add_peer(driver, (struct node_address){NODE_FRAMEBUFFER, 0});
-}
-
-/* The ipc socket of this node's input beside that of the host, or any loopback port. */
-static void default_listen(const struct socket_driver *driver, char *endpoint) {
-    const char *host = driver->options->host, *slash = strrchr(host, '/');
-    char name[24];
-    routing_name(driver->node->address, name);
-    if (!strncmp(host, "ipc://", 6) && slash)
-        snprintf(endpoint, ENDPOINT_BYTES, "%.*s/%s", (int)(slash - host), host, name);
-    else
-        snprintf(endpoint, ENDPOINT_BYTES, "tcp://127.0.0.1:*");
-}
-
-static void set_option(void *socket, int option, int value) {
-    zmq_setsockopt(socket, option, &value, sizeof value);
-}
-
-static bool open_input(struct socket_driver *driver, char *endpoint, struct status *status) {
-    const bool takes_regions =
-        driver->node->address.role != NODE_HOST &&
-        !(driver->node->address.role == NODE_RENDERING && !driver->node->address.index);
-    size_t size = ENDPOINT_BYTES;
-    endpoint[0] = 0;
-    if (!takes_regions)
-        return true;
-    driver->input = zmq_socket(driver->context, ZMQ_PULL);
-    if (!driver->input)
-        return socket_failure("open a socket for", "regions", status);
-    set_option(driver->input, ZMQ_RCVHWM, REGIONS_IN_FLIGHT);
-    set_option(driver->input, ZMQ_LINGER, 0);
-    if (driver->options->listen)
-        snprintf(endpoint, ENDPOINT_BYTES, "%s", driver->options->listen);
-    else
-        default_listen(driver, endpoint);
-    if (zmq_bind(driver->input, endpoint))
-        return socket_failure("listen at", endpoint, status);
-    snprintf(driver->bound[1], ENDPOINT_BYTES, "%s", endpoint);
-    zmq_getsockopt(driver->input, ZMQ_LAST_ENDPOINT, endpoint, &size);
-    return true;
-}
-
-static bool open_control(struct socket_driver *driver, struct status *status) {
-    char name[24];
-    driver->control = zmq_socket(driver->context, is_host(driver) ? ZMQ_ROUTER : ZMQ_DEALER);
-    if (!driver->control)
-        return socket_failure("open a socket for", "the host", status);
-    set_option(driver->control, ZMQ_SNDHWM, 0);
-    set_option(driver->control, ZMQ_RCVHWM, 0);
-    set_option(driver->control, ZMQ_LINGER, LINGER_MS);
-    set_option(driver->control, ZMQ_HEARTBEAT_IVL, HEARTBEAT_MS);
-    set_option(driver->control, ZMQ_HEARTBEAT_TIMEOUT, HEARTBEAT_TIMEOUT_MS);
-    if (zmq_socket_monitor(driver->control, "inproc://monitor", ZMQ_EVENT_DISCONNECTED))
-        return socket_failure("watch", "connections", status);
-    driver->monitor = zmq_socket(driver->context, ZMQ_PAIR);
-    set_option(driver->monitor, ZMQ_LINGER, 0);
-    zmq_connect(driver->monitor, "inproc://monitor");
-    if (is_host(driver)) {
-        set_option(driver->control, ZMQ_ROUTER_MANDATORY, 1);
-        if (zmq_bind(driver->control, driver->options->host))
-            return socket_failure("listen at", driver->options->host, status);
-        snprintf(driver->bound[0], ENDPOINT_BYTES, "%s", driver->options->host);
-        return true;
-    }
-    routing_name(driver->node->address, name);
-    zmq_setsockopt(driver->control, ZMQ_ROUTING_ID, name, strlen(name));
-    if (zmq_connect(driver->control, driver->options->host))
-        return socket_failure("connect to the host at", driver->options->host, status);
-    return true;
-}
-
-static bool open_push(struct socket_driver *driver, struct peer *peer, struct status *status) {
-    peer->push = zmq_socket(driver->context, ZMQ_PUSH);
-    if (!peer->push)
-        return socket_failure("open a socket for", peer->routing, status);
-    set_option(peer->push, ZMQ_SNDHWM, REGIONS_IN_FLIGHT);
-    set_option(peer->push, ZMQ_LINGER, LINGER_MS);
-    if (!peer->endpoint[0] || zmq_connect(peer->push, peer->endpoint))
-        return socket_failure("connect to", peer->endpoint[0] ? peer->endpoint : peer->routing,
-                              status);
-    return true;
 }
 
 static bool lost_peer(const struct socket_driver *driver, const struct peer *peer,
@@ -188,13 +74,13 @@ static int try_send(struct socket_driver *driver, struct peer *peer, struct mess
                     struct status *status) {
     void *socket = peer->push;
     const char *routing = NULL;
-    if (is_host(driver)) {
+    if (socket_is_host(driver)) {
         socket = driver->control;
         routing = peer->routing;
     } else if (peer->address.role == NODE_HOST) {
         socket = driver->control;
     } else if (!socket) {
-        if (!open_push(driver, peer, status))
+        if (!socket_open_push(driver, peer, status))
             return -1;
         socket = peer->push;
     }
@@ -211,7 +97,7 @@ static int try_send(struct socket_driver *driver, struct peer *peer, struct mess
 /* Takes over the hold. */
 static bool send_to(struct socket_driver *driver, struct peer *peer, struct message *message,
                     struct status *status) {
-    if (!is_host(driver) && peer->address.role != NODE_HOST)
+    if (!socket_is_host(driver) && peer->address.role != NODE_HOST)
         message = shared_pool_share(driver->options->pool, message);
     if (!peer->queue_count) {
         const int sent = try_send(driver, peer, message, status);
@@ -253,11 +139,15 @@ static bool step(struct socket_driver *driver, const struct node_event *event,
     struct node_outputs outputs = {0};
     bool ok = node_step(driver->node, event, &outputs, status);
     for (size_t i = 0; i < outputs.count; i++) {
-        struct peer *peer = ok ? find_peer(driver, outputs.items[i].to) : NULL;
+        const struct node_output *output = &outputs.items[i];
+        if (ok && driver->pacer &&
+            pacer_output(driver->pacer, output->to, output->message, now_ns()))
+            continue;
+        struct peer *peer = ok ? find_peer(driver, output->to) : NULL;
         if (peer)
-            ok = send_to(driver, peer, outputs.items[i].message, status);
+            ok = send_to(driver, peer, output->message, status);
         else
-            message_release(outputs.items[i].message);
+            message_release(output->message);
     }
     free(outputs.items);
     if (driver->options->board) {
@@ -270,11 +160,58 @@ static bool step(struct socket_driver *driver, const struct node_event *event,
     return ok;
 }
 
+static bool start_pacing(struct socket_driver *driver, double scale, struct status *status) {
+    if (scale == 0)
+        return true;
+    if (!(scale >= PACER_SCALE_MIN && scale <= PACER_SCALE_MAX))
+        return status_fail(status, STATUS_INVALID, "damaged topology message: pace");
+    driver->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+    if (driver->timer < 0)
+        return status_fail(status, STATUS_IO, "cannot make a timer: %s", strerror(errno));
+    driver->pacer = pacer_create(scale, driver->node->address);
+    return true;
+}
+
+/* Sends and hands to the node what has been held back long enough. */
+static bool follow_pacer(struct socket_driver *driver, bool *any, struct status *status) {
+    struct pacer_action action;
+    bool ok = true;
+    while (ok && driver->pacer && pacer_next(driver->pacer, now_ns(), &action)) {
+        struct peer *peer = action.is_delivery ? NULL : find_peer(driver, action.to);
+        struct node_event event = {.kind = NODE_MESSAGE, .message = action.message};
+        *any = true;
+        if (peer) {
+            ok = send_to(driver, peer, action.message, status);
+            continue;
+        }
+        if (action.is_delivery)
+            ok = wire_open(action.message->bytes, action.message->length, &event.header, status) &&
+                 step(driver, &event, status);
+        message_release(action.message);
+    }
+    if (driver->pacer && driver->options->pace_begin_ns)
+        *driver->options->pace_begin_ns = pacer_begin_ns(driver->pacer);
+    return ok;
+}
+
+static bool may_work(const struct socket_driver *driver) {
+    return driver->node->has_work && !driver->blocked &&
+           !(driver->pacer && pacer_is_full(driver->pacer));
+}
+
+/* An event from another node: at once, or when the pacer says so. */
+static bool take_event(struct socket_driver *driver, const struct node_event *event,
+                       struct status *status) {
+    return (driver->pacer && pacer_input(driver->pacer, event, now_ns())) ||
+           step(driver, event, status);
+}
+
 /* The host has everybody's address: tell everybody. */
 static bool send_topology(struct socket_driver *driver, struct status *status) {
     struct wire_writer writer = {0};
     wire_put_u32(&writer, driver->options->rendering_nodes);
     wire_put_u32(&writer, driver->options->shading_nodes);
+    wire_put_f64(&writer, driver->options->pace);
     for (size_t i = 0; i < driver->peer_count; i++) {
         wire_put_u32(&writer, node_address_pack(driver->peers[i].address));
         wire_put_string(&writer, driver->peers[i].endpoint);
@@ -291,6 +228,7 @@ static bool take_topology(struct socket_driver *driver, const struct message *me
                           struct status *status) {
     struct wire_reader reader = wire_payload(message->bytes, message->length);
     const uint32_t rendering_nodes = wire_get_u32(&reader), shading_nodes = wire_get_u32(&reader);
+    const double pace = wire_get_f64(&reader);
     if (driver->peers || rendering_nodes > 65536 || shading_nodes > 65536)
         return status_fail(status, STATUS_INVALID, "damaged topology message");
     add_all_peers(driver, rendering_nodes, shading_nodes);
@@ -301,7 +239,7 @@ static bool take_topology(struct socket_driver *driver, const struct message *me
         if (peer)
             snprintf(peer->endpoint, sizeof peer->endpoint, "%s", endpoint);
     }
-    if (!wire_reader_done(&reader, "topology", status))
+    if (!wire_reader_done(&reader, "topology", status) || !start_pacing(driver, pace, status))
         return false;
     driver->is_started = true;
     return send_to(driver, find_peer(driver, (struct node_address){NODE_HOST, 0}),
@@ -353,7 +291,7 @@ static bool dispatch_shared(struct socket_driver *driver, const struct message *
     if (!shared_pool_receive(driver->options->pool, reference, &event.message, status))
         return false;
     const bool ok = wire_open(event.message->bytes, event.message->length, &event.header, status) &&
-                    step(driver, &event, status);
+                    take_event(driver, &event, status);
     message_release(event.message);
     return ok;
 }
@@ -366,11 +304,11 @@ static bool dispatch(struct socket_driver *driver, struct message *message, stru
     switch (event.header.kind) {
     case WIRE_HELLO:
     case WIRE_READY:
-        if (is_host(driver))
+        if (socket_is_host(driver))
             return take_greeting(driver, message, &event.header, status);
         break;
     case WIRE_TOPOLOGY:
-        if (!is_host(driver))
+        if (!socket_is_host(driver))
             return take_topology(driver, message, status);
         break;
     case WIRE_PROBE:
@@ -380,7 +318,7 @@ static bool dispatch(struct socket_driver *driver, struct message *message, stru
     default:
         break;
     }
-    return step(driver, &event, status);
+    return take_event(driver, &event, status);
 }
 
 /* Takes all that waits at a socket, up to `most` messages. */
@@ -415,7 +353,7 @@ static bool take_disconnect(struct socket_driver *driver, struct status *status)
     zmq_msg_close(&part);
     if (!any || driver->node->is_finished)
         return true;
-    if (!is_host(driver))
+    if (!socket_is_host(driver))
         return status_fail(status, STATUS_LOST, "the host was lost in frame %u, about region %u",
                            driver->node->frame, driver->node->region);
     driver->is_probing = true;
@@ -466,7 +404,7 @@ static bool probe_peers(struct socket_driver *driver, struct status *status) {
 
 static void describe(const struct socket_driver *driver, char *text, size_t size) {
     char name[NODE_NAME_BYTES], what[256];
-    if (!driver->is_started && is_host(driver)) {
+    if (!driver->is_started && socket_is_host(driver)) {
         size_t missing = 0, known = 0;
         const struct peer *first = NULL;
         for (size_t i = 0; i < driver->peer_count; i++)
@@ -504,9 +442,10 @@ static void describe_on_request(struct socket_driver *driver) {
 }
 
 static bool check_deadline(struct socket_driver *driver, struct status *status) {
-    const int limit =
-        driver->is_started || !is_host(driver) ? driver->options->deadline_s : START_DEADLINE_S;
-    if (seconds_since(&driver->last_news) < limit || (!is_host(driver) && driver->is_started))
+    const int limit = driver->is_started || !socket_is_host(driver) ? driver->options->deadline_s
+                                                                    : START_DEADLINE_S;
+    if (seconds_since(&driver->last_news) < limit ||
+        (!socket_is_host(driver) && driver->is_started))
         return true; /* a node that has begun trusts the host's judgement, and its own connection to
                         it */
     char text[512];
@@ -520,8 +459,8 @@ static bool check_deadline(struct socket_driver *driver, struct status *status) 
 }
 
 /* Waits until there is something to do. Regions are not taken while something cannot be sent. */
-static void wait_for_events(struct socket_driver *driver, bool may_work) {
-    zmq_pollitem_t *items = memory_get(3 + driver->peer_count, sizeof *items);
+static void wait_for_events(struct socket_driver *driver) {
+    zmq_pollitem_t *items = memory_get(4 + driver->peer_count, sizeof *items);
     int count = 0;
     items[count++] = (zmq_pollitem_t){.socket = driver->control, .events = ZMQ_POLLIN};
     items[count++] = (zmq_pollitem_t){.socket = driver->monitor, .events = ZMQ_POLLIN};
@@ -531,7 +470,14 @@ static void wait_for_events(struct socket_driver *driver, bool may_work) {
         if (driver->peers[i].queue_count && driver->peers[i].push)
             items[count++] =
                 (zmq_pollitem_t){.socket = driver->peers[i].push, .events = ZMQ_POLLOUT};
-    zmq_poll(items, count, may_work ? 0 : driver->is_probing ? 20 : POLL_MS);
+    if (driver->pacer && pacer_wake_ns(driver->pacer) != INT64_MAX) {
+        const int64_t wake = pacer_wake_ns(driver->pacer);
+        const struct itimerspec time = {
+            .it_value = {(time_t)(wake / 1000000000), (long)(wake % 1000000000)}};
+        timerfd_settime(driver->timer, TFD_TIMER_ABSTIME, &time, NULL);
+        items[count++] = (zmq_pollitem_t){.fd = driver->timer, .events = ZMQ_POLLIN};
+    }
+    zmq_poll(items, count, may_work(driver) ? 0 : driver->is_probing ? 20 : POLL_MS);
     free(items);
 }
 
@@ -541,13 +487,14 @@ static bool loop(struct socket_driver *driver, struct status *status) {
         if (*driver->options->stop)
             return false;
         describe_on_request(driver);
-        if (!flush_queues(driver, status) ||
-            !drain(driver, driver->control, is_host(driver), 64, &any, status))
+        if (!flush_queues(driver, status) || !follow_pacer(driver, &any, status) ||
+            !drain(driver, driver->control, socket_is_host(driver), 64, &any, status))
             return false;
-        if (driver->input && !driver->blocked && !driver->node->has_work &&
+        const bool works = may_work(driver);
+        if (driver->input && !driver->blocked && !works &&
             !drain(driver, driver->input, false, 1, &any, status))
             return false;
-        if (driver->node->has_work && !driver->blocked && !driver->node->is_finished) {
+        if (works && may_work(driver) && !driver->node->is_finished) {
             if (!step(driver, &(struct node_event){.kind = NODE_WORK}, status))
                 return false;
             any = true;
@@ -558,49 +505,19 @@ static bool loop(struct socket_driver *driver, struct status *status) {
             continue;
         if (!take_disconnect(driver, status) || !check_deadline(driver, status))
             return false;
-        wait_for_events(driver, driver->node->has_work && !driver->blocked);
+        wait_for_events(driver);
     }
     while (driver->blocked && !*driver->options->stop) { /* last words */
         if (!flush_queues(driver, status))
             return false;
-        wait_for_events(driver, false);
+        wait_for_events(driver);
     }
     return true;
 }
 
-/* `linger_ms`: how long what was sent may still take to leave. */
-static void close_driver(struct socket_driver *driver, int linger_ms) {
-    if (driver->control)
-        set_option(driver->control, ZMQ_LINGER, linger_ms);
-    for (size_t i = 0; i < driver->peer_count; i++) {
-        struct peer *peer = &driver->peers[i];
-        for (size_t m = 0; m < peer->queue_count; m++)
-            message_release(peer->queue[peer->queue_first + m]);
-        free(peer->queue);
-        if (peer->push) {
-            set_option(peer->push, ZMQ_LINGER, linger_ms);
-            zmq_close(peer->push);
-        }
-    }
-    free(driver->peers);
-    /* in this order: libzmq's own thread blocks on an event that nobody can receive any more */
-    if (driver->control)
-        zmq_socket_monitor(driver->control, NULL, 0);
-    if (driver->monitor)
-        zmq_close(driver->monitor);
-    if (driver->control)
-        zmq_close(driver->control);
-    if (driver->input)
-        zmq_close(driver->input);
-    zmq_ctx_term(driver->context);
-    for (int i = 0; i < 2; i++) /* libzmq leaves the files of ipc sockets behind */
-        if (!strncmp(driver->bound[i], "ipc://", 6) && driver->bound[i][6] != '@')
-            unlink(driver->bound[i] + 6);
-}
-
 /* Tells the host why this node gives up. */
 static void report_failure(struct socket_driver *driver, const struct status *status) {
-    if (is_host(driver) || !driver->control || status->code == STATUS_LOST ||
+    if (socket_is_host(driver) || !driver->control || status->code == STATUS_LOST ||
         status->code == STATUS_OK)
         return;
     struct message *message =
@@ -612,17 +529,18 @@ static void report_failure(struct socket_driver *driver, const struct status *st
 
 bool driver_sockets_run(struct node *node, const struct socket_options *options,
                         struct status *status) {
-    struct socket_driver driver = {.node = node, .options = options};
+    struct socket_driver driver = {.node = node, .options = options, .timer = -1};
     char endpoint[ENDPOINT_BYTES];
     driver.context = zmq_ctx_new();
     zmq_ctx_set(driver.context, ZMQ_MAX_SOCKETS,
                 (int)(options->rendering_nodes + options->shading_nodes) + 4096);
     clock_gettime(CLOCK_MONOTONIC, &driver.last_news);
     status->code = STATUS_OK;
-    if (is_host(&driver))
+    if (socket_is_host(&driver))
         add_all_peers(&driver, options->rendering_nodes, options->shading_nodes);
-    bool ok = open_input(&driver, endpoint, status) && open_control(&driver, status);
-    if (ok && !is_host(&driver)) {
+    bool ok = (!socket_is_host(&driver) || start_pacing(&driver, options->pace, status)) &&
+              socket_open_input(&driver, endpoint, status) && socket_open_control(&driver, status);
+    if (ok && !socket_is_host(&driver)) {
         struct message *hello =
             text_encode(WIRE_HELLO, endpoint, 0, 0, node_address_pack(node->address));
         ok = socket_message_send(driver.control, NULL, hello) > 0 ||
@@ -631,12 +549,12 @@ bool driver_sockets_run(struct node *node, const struct socket_options *options,
     if (ok && options->board)
         atomic_store(&options->board->is_started, 1);
     ok = ok && loop(&driver, status);
-    if (!ok && is_host(&driver) && status->code == STATUS_LOST)
+    if (!ok && socket_is_host(&driver) && status->code == STATUS_LOST)
         ok = hear_last_words(&driver, status);
     if (!ok)
         report_failure(&driver, status);
     /* asked to stop, or the cluster has come apart: nobody waits for what is still under way */
     const bool is_hopeless = !ok && (status->code == STATUS_OK || status->code == STATUS_LOST);
-    close_driver(&driver, is_hopeless ? 0 : LINGER_MS);
+    socket_close_all(&driver, is_hopeless ? 0 : LINGER_MS);
     return ok;
 }

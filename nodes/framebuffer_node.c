@@ -69,18 +69,6 @@ static void frame_finish(struct collected_frame *frame) {
     *frame = (struct collected_frame){0};
 }
 
-static ticks price_of(const struct machine *machine, const struct shading_work *work,
-                      uint32_t count) {
-    ticks total = 0;
-    for (uint32_t i = 0; i < count; i++)
-        for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
-            total = ticks_add(total, work[i].operations[operation] > INT64_MAX
-                                         ? TICKS_MAX
-                                         : ticks_multiply(machine->operation[operation],
-                                                          (int64_t)work[i].operations[operation]));
-    return total;
-}
-
 static const struct timing_work *copy_work(const struct region_work *work, uint32_t count) {
     struct timing_work *copy = memory_get(count, sizeof *copy);
     for (uint32_t i = 0; i < count; i++)
@@ -120,7 +108,7 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
         covered = view.head.sample_count;
         map_floats = view.map_floats;
         timing->words = (uint32_t)machine_map_words(machine, view.head.longest_map);
-        timing->shading = price_of(machine, view.shading_work, view.shading_work_count);
+        timing->shading = shading_work_price(machine, view.shading_work, view.shading_work_count);
         timing->work = copy_work(view.work, view.head.work_count);
         timing->work_count = view.head.work_count;
         frame->record.nan_depths += view.head.nan_depths;

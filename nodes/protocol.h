@@ -124,6 +124,9 @@ struct shading_work {
     uint64_t operations[SIMD_OPERATION_COUNT]; /* issued on the array for this region */
 };
 enum { SHADING_WORK_SHARED = 0x10000 }; /* position reconstruction; plus 1 + l for light l */
+/* What `count` entries take on the machine's array; TICKS_MAX past 63 bits. */
+ticks shading_work_price(const struct machine *machine, const struct shading_work *work,
+                         uint32_t count);
 struct colour_view {
     struct region_head head; /* of the composed region: slots is 0, longest_map as composed */
     uint32_t shading_work_count;

@@ -103,3 +103,15 @@ bool colour_open(const struct message *message, uint32_t region_samples, uint32_
         return status_fail(status, STATUS_INVALID, "damaged shaded region message: runs");
     return true;
 }
+
+ticks shading_work_price(const struct machine *machine, const struct shading_work *work,
+                         uint32_t count) {
+    ticks total = 0;
+    for (uint32_t i = 0; i < count; i++)
+        for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
+            total = ticks_add(total, work[i].operations[operation] > INT64_MAX
+                                         ? TICKS_MAX
+                                         : ticks_multiply(machine->operation[operation],
+                                                          (int64_t)work[i].operations[operation]));
+    return total;
+}

@@ -59,7 +59,7 @@ static void remove_orphaned_folder(const struct render_options *options, pid_t p
 }
 
 static bool run_by_sockets(struct node *host, const struct render_options *options,
-                           struct status *status) {
+                           int64_t *pace_begin_ns, struct status *status) {
     const struct socket_options sockets = {
         .host = options->bind,
         .rendering_nodes = options->host.rendering_nodes,
@@ -68,6 +68,8 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
         .board = options->board >= 0 ? status_board_open(options->board, 0) : NULL,
         .stop = &program_stop,
         .describe = &program_describe,
+        .pace = options->pace,
+        .pace_begin_ns = pace_begin_ns,
         .supervisor = options->is_supervised ? getppid() : 0,
     };
     const pid_t parent = getppid();
@@ -77,13 +79,13 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
 }
 
 static bool report_results(const struct render_options *options, const struct node *host,
-                           double wall_s, struct status *status) {
+                           double wall_s, const struct pace_report *pace, struct status *status) {
     const struct host_report *report = host_node_report(host);
     if (options->verbosity >= 0 && !(options->json && options->json[0] == '-' && !options->json[1]))
-        render_summary_print(stdout, options, report, wall_s);
+        render_summary_print(stdout, options, report, wall_s, pace);
     if (fflush(stdout) || ferror(stdout))
         return status_fail(status, STATUS_IO, "cannot write the summary to standard output");
-    return !options->json || render_json_write(options, report, wall_s, status);
+    return !options->json || render_json_write(options, report, wall_s, pace, status);
 }
 
 int host_run(const struct render_options *options) {
@@ -91,6 +93,7 @@ int host_run(const struct render_options *options) {
     struct trace trace;
     struct render_progress progress;
     struct node *host = NULL;
+    struct pace_report pace = {.scale = options->pace, .begin_ns = INT64_MIN};
     program_streams_ensure();
     program_signals_install();
     program_files_raise();
@@ -105,9 +108,11 @@ int host_run(const struct render_options *options) {
     if (ok)
         ok = options->driver == DRIVER_IN_PROCESS
                  ? run_in_process(host, options, services, &trace, &status)
-                 : run_by_sockets(host, options, &status);
+                 : run_by_sockets(host, options, &pace.begin_ns, &status);
     render_progress_end(&progress);
-    ok = ok && report_results(options, host, render_wall_s(&progress), &status);
+    pace.frame_done_ns = progress.frame_done_ns;
+    ok = ok && report_results(options, host, render_wall_s(&progress), &pace, &status);
+    render_progress_finish(&progress);
     if (!ok && !(status.code == STATUS_LOST && options->is_supervised) && status.code != STATUS_OK)
         fprintf(stderr, "sortlast: %s\n", status.message);
     node_destroy(host);

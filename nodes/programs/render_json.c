@@ -82,8 +82,25 @@ static void add_instance(cJSON *instances, const struct instance_report *report)
     cJSON_AddItemToArray(instances, instance);
 }
 
+/* How the wall time of each frame, times the scale, compares with the solved time. */
+static void add_pace(cJSON *document, const struct host_report *report,
+                     const struct pace_report *pace) {
+    cJSON *object = cJSON_AddObjectToObject(document, "pace");
+    cJSON_AddNumberToObject(object, "scale", pace->scale);
+    cJSON *frames = cJSON_AddArrayToObject(object, "frames");
+    for (size_t i = 0; i < report->frame_count; i++) {
+        const double wall_ns = (double)pace_frame_ns(pace, i);
+        cJSON *frame = cJSON_CreateObject();
+        add_whole(frame, "frame", report->frames[i].number);
+        cJSON_AddNumberToObject(frame, "wall_s", wall_ns * 1e-9);
+        add_whole(frame, "scaled_wall_ps", (int64_t)(wall_ns * 1000 * pace->scale + 0.5));
+        add_whole(frame, "time_ps", report->frames[i].time_ps);
+        cJSON_AddItemToArray(frames, frame);
+    }
+}
+
 static cJSON *make_document(const struct render_options *options, const struct host_report *report,
-                            double wall_s) {
+                            double wall_s, const struct pace_report *pace) {
     cJSON *document = cJSON_CreateObject();
     const bool in_process = options->driver == DRIVER_IN_PROCESS;
     cJSON_AddStringToObject(document, "scene", options->host.scene);
@@ -103,6 +120,8 @@ static cJSON *make_document(const struct render_options *options, const struct h
     for (size_t i = 0; i < report->instance_count; i++)
         add_instance(instances, &report->instances[i]);
     cJSON_AddNumberToObject(document, "wall_s", wall_s);
+    if (pace->scale > 0)
+        add_pace(document, report, pace);
     cJSON *warnings = cJSON_AddArrayToObject(document, "warnings");
     for (size_t i = 0; i < report->warning_count; i++)
         cJSON_AddItemToArray(warnings, cJSON_CreateString(report->warnings[i]));
@@ -122,8 +141,8 @@ static bool write_file(const char *path, const char *text, struct status *status
 }
 
 bool render_json_write(const struct render_options *options, const struct host_report *report,
-                       double wall_s, struct status *status) {
-    cJSON *document = make_document(options, report, wall_s);
+                       double wall_s, const struct pace_report *pace, struct status *status) {
+    cJSON *document = make_document(options, report, wall_s, pace);
     char *text = cJSON_Print(document);
     cJSON_Delete(document);
     bool ok = text ? write_file(options->json, text, status)

@@ -2,6 +2,7 @@
 #include "nodes/programs/render_options.h"
 
 #include "images/image.h"
+#include "nodes/pacer.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -28,6 +29,7 @@ enum {
     OPTION_SHADERS,
     OPTION_DEADLINE,
     OPTION_SCHEDULE_SEED,
+    OPTION_PACE,
     OPTION_BIND,
     OPTION_BOARD,
     OPTION_SUPERVISED,
@@ -56,6 +58,7 @@ static const struct option long_options[] = {
     {"shaders", required_argument, NULL, OPTION_SHADERS},
     {"deadline", required_argument, NULL, OPTION_DEADLINE},
     {"schedule-seed", required_argument, NULL, OPTION_SCHEDULE_SEED},
+    {"pace", required_argument, NULL, OPTION_PACE},
     {"bind", required_argument, NULL, OPTION_BIND},
     {"status-board", required_argument, NULL, OPTION_BOARD},
     {"supervised", no_argument, NULL, OPTION_SUPERVISED},
@@ -111,6 +114,10 @@ static void print_help(bool is_host_program) {
          "one\n"
          "      --transport T          ipc (default): sockets in a private folder; tcp: loopback\n"
          "      --schedule-seed N      in-process: draw the order of events from this seed\n"
+         "      --pace SCALE           run at SCALE times the machine's speed, on the real clock: "
+         "0.01 makes\n"
+         "                             1 ms of simulated time last 100 ms (default: as fast as it "
+         "goes)\n"
          "      --deadline S           longest silence before a node counts as stuck (default 60)\n"
          "\n"
          "Output\n"
@@ -202,6 +209,15 @@ static bool parse_chord(const char *text, double *chord, struct status *status) 
     return true;
 }
 
+static bool parse_pace(const char *text, double *pace, struct status *status) {
+    char *end;
+    *pace = strtod(text, &end);
+    if (end == text || *end || !(*pace >= PACER_SCALE_MIN && *pace <= PACER_SCALE_MAX))
+        return status_fail(status, STATUS_INVALID, "--pace must be from %g to %g, not \"%s\"",
+                           PACER_SCALE_MIN, PACER_SCALE_MAX, text);
+    return true;
+}
+
 static bool parse_one(int option, const char *text, struct render_options *o,
                       struct status *status) {
     static const char *const drivers[] = {"processes", "in-process", NULL};
@@ -280,6 +296,8 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         ok = parse_whole(text, "--schedule-seed", 0, LLONG_MAX, &whole, status);
         o->schedule_seed = (uint64_t)whole;
         return ok;
+    case OPTION_PACE:
+        return parse_pace(text, &o->pace, status);
     case OPTION_BIND:
         o->bind = text;
         return true;
@@ -413,6 +431,11 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
     add_default_folders(options);
     if (is_host_program && !options->bind) {
         status_fail(&status, STATUS_INVALID, "--bind is missing: where should the nodes call?");
+        return usage_error(&status);
+    }
+    if (options->pace > 0 && options->driver == DRIVER_IN_PROCESS) {
+        status_fail(&status, STATUS_INVALID,
+                    "--pace throttles sockets, of which --driver in-process has none");
         return usage_error(&status);
     }
     if (!read_machine(options, &status))

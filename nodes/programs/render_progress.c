@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/programs/render_report.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -65,8 +66,28 @@ static void show_progress(void *context, int number, uint32_t done, uint32_t reg
     fflush(progress->stream);
 }
 
+int64_t pace_frame_ns(const struct pace_report *pace, size_t index) {
+    return pace->frame_done_ns[index] - (index ? pace->frame_done_ns[index - 1] : pace->begin_ns);
+}
+
+void render_progress_finish(struct render_progress *progress) {
+    free(progress->frame_done_ns);
+    progress->frame_done_ns = NULL;
+}
+
+static void note_frame(struct render_progress *progress) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    progress->frame_done_ns =
+        memory_grow(progress->frame_done_ns, &progress->frame_capacity, progress->frame_count + 1,
+                    sizeof *progress->frame_done_ns);
+    progress->frame_done_ns[progress->frame_count++] =
+        (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
 static void show_frame(void *context, const struct frame_record *record) {
     struct render_progress *progress = context;
+    note_frame(progress);
     clear_line(progress);
     if (progress->is_quiet)
         return;

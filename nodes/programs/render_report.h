@@ -13,19 +13,33 @@ struct render_progress {
     FILE *stream;
     bool is_terminal, is_quiet, is_verbose, has_line;
     double begin_s;
+    int64_t *frame_done_ns; /* on CLOCK_MONOTONIC, one a frame */
+    size_t frame_count, frame_capacity;
 };
+
+/* Wall times of a paced run. */
+struct pace_report {
+    double scale; /* 0: not paced */
+    int64_t begin_ns;
+    const int64_t *frame_done_ns; /* one for each frame of the report */
+};
+/* Wall time of frame `index`, in nanoseconds: since the frame before was done, for the first since
+ * the first byte was sent. */
+int64_t pace_frame_ns(const struct pace_report *pace, size_t index);
 
 void render_progress_begin(struct render_progress *progress, const struct render_options *options);
 /* The observer that feeds it; valid as long as `progress`. */
 struct host_observer render_progress_observer(struct render_progress *progress);
 /* Ends the updating line. */
 void render_progress_end(struct render_progress *progress);
+void render_progress_finish(struct render_progress *progress);
 double render_wall_s(const struct render_progress *progress);
 
 void render_summary_print(FILE *stream, const struct render_options *options,
-                          const struct host_report *report, double wall_s);
+                          const struct host_report *report, double wall_s,
+                          const struct pace_report *pace);
 /* Writes options->json; the file appears whole. */
 bool render_json_write(const struct render_options *options, const struct host_report *report,
-                       double wall_s, struct status *status);
+                       double wall_s, const struct pace_report *pace, struct status *status);
 
 #endif

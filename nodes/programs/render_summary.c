@@ -92,8 +92,24 @@ static void print_instances(FILE *stream, const struct host_report *report) {
                 report->instance_count - SHOWN_MAX);
 }
 
+static void print_pace(FILE *stream, const struct host_report *report,
+                       const struct pace_report *pace) {
+    fprintf(stream,
+            "\nPaced at %g times the machine's speed\n"
+            "  frame    wall s   times scale, ms   solved, ms   difference\n",
+            pace->scale);
+    for (size_t i = 0; i < report->frame_count; i++) {
+        const double wall_s = (double)pace_frame_ns(pace, i) * 1e-9;
+        const double solved_ms = (double)report->frames[i].time_ps * 1e-9;
+        const double scaled_ms = 1000 * wall_s * pace->scale;
+        fprintf(stream, "  %5d %9.3f %17.3f %12.3f %+10.2f %%\n", report->frames[i].number, wall_s,
+                scaled_ms, solved_ms, share(scaled_ms - solved_ms, solved_ms));
+    }
+}
+
 void render_summary_print(FILE *stream, const struct render_options *options,
-                          const struct host_report *report, double wall_s) {
+                          const struct host_report *report, double wall_s,
+                          const struct pace_report *pace) {
     const struct host_options *host = &options->host;
     fprintf(stream, "%s on %s: %u rendering + %u shading + 1 framebuffer node, %s\n", host->scene,
             host->machine.name, host->rendering_nodes, host->shading_nodes,
@@ -104,6 +120,8 @@ void render_summary_print(FILE *stream, const struct render_options *options,
     print_busy(stream, &report->frames[report->frame_count - 1]);
     print_bytes(stream, &report->frames[report->frame_count - 1]);
     print_instances(stream, report);
+    if (pace->scale > 0)
+        print_pace(stream, report, pace);
     for (size_t i = 0; i < report->frame_count; i++)
         if (report->frames[i].image_path[0])
             fprintf(stream, "%s%s", i ? " " : "\nPictures: ", report->frames[i].image_path);
