@@ -13,38 +13,68 @@
 
 static const char usage[] =
     "usage: accuracy [options] [FUNCTION...]\n"
-    "Sweeps functions of one argument (all of them unless named) over all 2^32 floats and prints "
-    "the largest error\n"
-    "in units of the last place and where, results that are not the correctly rounded ones, breaks "
-    "of\n"
-    "monotonicity, a hash of all results, and for fast functions the errors on their domains.\n"
+    "Sweeps functions of one argument (all of them unless named) over all 2^32 floats and prints\n"
+    "the largest error in units of the last place and where, results that are not the correctly\n"
+    "rounded ones, breaks of monotonicity, a hash of all results and whether it is the recorded\n"
+    "one, and for fast functions the errors on their domains. Functions of two arguments are\n"
+    "measured on lattices, ordinary numbers, hard regions and special values.\n"
     "  --step N      every Nth float only (a power of two up to 65536)\n"
     "  --threads N   1 to 64 (default 2)\n"
     "  --set NAME    the instruction set (default: the widest this processor has)\n"
+    "  --pairs N     blocks of 4096 pairs of each kind (default 256)\n"
+    "  --order       without errors: hashes and breaks of monotonicity, much quicker\n"
     "  --hash        only hashes, of every instruction set\n"
-    "  --throughput  only nanoseconds a value\n";
+    "  --special     only the table of special values\n"
+    "  --compare     speed and error beside SLEEF, libmvec and the C library, in one run\n"
+    "  --throughput  only nanoseconds a value\n"
+    "Exit status: 1 when a hash of all inputs differs from the recorded one or between sets.\n";
+
+enum mode { MODE_SWEEP, MODE_ORDER, MODE_HASH, MODE_SPECIAL, MODE_COMPARE, MODE_THROUGHPUT };
 
 struct options {
-    uint32_t step;
-    int threads, hash, throughput;
+    uint32_t step, pair_blocks;
+    int threads;
+    enum mode mode;
     const struct vector_kernels *kernels;
 };
 
-static void print_sweep(const struct vector_function *function, const struct options *options) {
+/* Hashes of the results over all 2^32 inputs, of functions of one argument. */
+static const struct {
+    const char *name;
+    uint64_t hash;
+} recorded[] = {
+#include "all_inputs.inc"
+};
+
+static int print_recorded(const char *name, uint64_t hash, uint32_t step) {
+    for (size_t i = 0; step == 1 && i < sizeof recorded / sizeof *recorded; i++)
+        if (strcmp(recorded[i].name, name) == 0) {
+            printf(" %s", recorded[i].hash == hash ? "(as recorded)" : "(NOT AS RECORDED)");
+            return recorded[i].hash == hash;
+        }
+    return 1;
+}
+
+static int print_sweep(const struct vector_function *function, const struct options *options) {
     struct sweep_result r;
-    sweep_function(function, 1, options->step, options->threads, &r);
+    const int with_errors = options->mode == MODE_SWEEP;
+    sweep_function(function, with_errors, options->step, options->threads, &r);
     float at;
     memcpy(&at, &r.ulp_max_at, sizeof at);
-    if (strstr(function->name, "_fast"))
-        printf("%-12s absolute %.4g relative %.4g on its domain", function->name, r.absolute_max,
-               r.relative_max);
-    else
-        printf("%-12s %.6f ulp at %a (0x%08" PRIx32 "), %" PRIu64 " of %" PRIu64
-               " not correctly rounded, %" PRIu64 " monotonicity breaks",
-               function->name, r.ulp_max, (double)at, r.ulp_max_at, r.wrongly_rounded, r.inputs,
-               r.monotone_breaks);
-    printf(", hash %016" PRIx64 ", %.0f s\n", r.hash, r.seconds);
+    printf("%-12s", function->name);
+    if (with_errors && strstr(function->name, "_fast"))
+        printf(" absolute %.4g relative %.4g on its domain,", r.absolute_max, r.relative_max);
+    else if (with_errors)
+        printf(" %.6f ulp at %a (0x%08" PRIx32 "), %" PRIu64 " of %" PRIu64
+               " not correctly rounded,",
+               r.ulp_max, (double)at, r.ulp_max_at, r.wrongly_rounded, r.inputs);
+    if (r.is_monotone)
+        printf(" %" PRIu64 " monotonicity breaks,", r.monotone_breaks);
+    printf(" hash %016" PRIx64, r.hash);
+    const int same = print_recorded(function->name, r.hash, options->step);
+    printf(", %.0f s\n", r.seconds);
     fflush(stdout);
+    return same;
 }
 
 static int print_hashes(const char *name, const struct options *options) {
@@ -62,89 +92,124 @@ static int print_hashes(const char *name, const struct options *options) {
         printf(" %s %016" PRIx64, vector_kernel_sets[s]->name, r.hash);
         fflush(stdout);
     }
-    printf(" %s\n", same ? "same" : "DIFFERENT");
+    printf(" %s", same ? "same" : "DIFFERENT");
+    same = print_recorded(name, first, options->step) && same;
+    printf("\n");
     fflush(stdout);
     return same;
 }
 
-static int run(const char *name, const struct options *options) {
-    const struct vector_function *function = vector_kernels_find(options->kernels, name);
-    if (!function) {
-        fprintf(stderr, "accuracy: there is no function %s\n", name);
-        return 0;
-    }
-    if (options->throughput) {
-        throughput_table(name);
-        return 1;
-    }
-    if (function->inputs != 1 || function->outputs != 1 ||
-        (!options->hash && !vector_reference_find(name))) {
-        fprintf(stderr, "accuracy: %s has no sweep: more than one argument, or no reference\n",
-                name);
-        return 0;
-    }
-    if (options->hash)
-        return print_hashes(name, options);
-    print_sweep(function, options);
+static int run(const struct vector_function *function, const struct options *options) {
+    if (options->mode == MODE_HASH)
+        return function->inputs != 1 || function->outputs != 1 ||
+               print_hashes(function->name, options);
+    if (function->inputs == 1 && function->outputs == 1)
+        return print_sweep(function, options);
+    if (function->inputs == 2 && vector_reference_find(function->name) &&
+        options->mode == MODE_SWEEP)
+        pairs_table(function, options->pair_blocks);
     return 1;
 }
 
+static int parse_count(const char *text, long low, long high, long *value) {
+    char *end;
+    *value = strtol(text, &end, 10);
+    return end != text && !*end && *value >= low && *value <= high;
+}
+
+static const struct vector_kernels *find_set(const char *name) {
+    for (int s = 0; s < vector_kernel_set_count; s++)
+        if (strcmp(vector_kernel_sets[s]->name, name) == 0 && vector_kernel_sets[s]->supported())
+            return vector_kernel_sets[s];
+    return NULL;
+}
+
+static int parse_value(const char *option, const char *value, struct options *options) {
+    long number = 0;
+    int good = 1;
+    if (strcmp(option, "--step") == 0) {
+        good = parse_count(value, 1, 65536, &number) && (number & (number - 1)) == 0;
+        options->step = (uint32_t)number;
+    } else if (strcmp(option, "--threads") == 0) {
+        good = parse_count(value, 1, 64, &number);
+        options->threads = (int)number;
+    } else if (strcmp(option, "--pairs") == 0) {
+        good = parse_count(value, 1, 1 << 20, &number);
+        options->pair_blocks = (uint32_t)number;
+    } else if (strcmp(option, "--set") == 0) {
+        options->kernels = find_set(value);
+        good = options->kernels != NULL;
+    } else {
+        good = 0;
+    }
+    return good;
+}
+
 static int parse(int argc, char **argv, struct options *options, int *first_name) {
+    static const struct {
+        const char *name;
+        enum mode mode;
+    } modes[] = {{"--order", MODE_ORDER},
+                 {"--hash", MODE_HASH},
+                 {"--special", MODE_SPECIAL},
+                 {"--compare", MODE_COMPARE},
+                 {"--throughput", MODE_THROUGHPUT}};
     int i = 1;
     for (; i < argc && strncmp(argv[i], "--", 2) == 0; i++) {
-        const char *value = i + 1 < argc ? argv[i + 1] : "";
-        if (strcmp(argv[i], "--hash") == 0) {
-            options->hash = 1;
-        } else if (strcmp(argv[i], "--throughput") == 0) {
-            options->throughput = 1;
-        } else if (strcmp(argv[i], "--step") == 0) {
-            long step = strtol(value, NULL, 10);
-            if (step < 1 || step > 65536 || (step & (step - 1)) != 0)
-                return 0;
-            options->step = (uint32_t)step;
-            i++;
-        } else if (strcmp(argv[i], "--threads") == 0) {
-            options->threads = (int)strtol(value, NULL, 10);
-            if (options->threads < 1 || options->threads > 64)
-                return 0;
-            i++;
-        } else if (strcmp(argv[i], "--set") == 0) {
-            options->kernels = NULL;
-            for (int s = 0; s < vector_kernel_set_count; s++)
-                if (strcmp(vector_kernel_sets[s]->name, value) == 0 &&
-                    vector_kernel_sets[s]->supported())
-                    options->kernels = vector_kernel_sets[s];
-            if (!options->kernels)
-                return 0;
-            i++;
-        } else {
+        int is_mode = 0;
+        for (size_t m = 0; m < sizeof modes / sizeof *modes; m++)
+            if (strcmp(argv[i], modes[m].name) == 0) {
+                options->mode = modes[m].mode;
+                is_mode = 1;
+            }
+        if (is_mode)
+            continue;
+        if (i + 1 == argc || !parse_value(argv[i], argv[i + 1], options))
             return 0;
-        }
+        i++;
     }
     *first_name = i;
     return 1;
 }
 
+/* What the mode prints for a function, or for all (NULL). */
+static int print(const char *name, const struct options *options) {
+    if (options->mode == MODE_SPECIAL) {
+        special_table(options->kernels);
+        return 1;
+    }
+    if (options->mode == MODE_COMPARE) {
+        compare_table(options->kernels, name, options->step == 1 ? 1024 : options->step,
+                      options->threads);
+        return 1;
+    }
+    if (options->mode == MODE_THROUGHPUT) {
+        throughput_table(name);
+        return 1;
+    }
+    int good = 1;
+    for (int f = 0; f < options->kernels->function_count; f++)
+        if (!name || strcmp(name, options->kernels->functions[f].name) == 0)
+            good = run(&options->kernels->functions[f], options) && good;
+    return good;
+}
+
 int main(int argc, char **argv) {
-    struct options options = {.step = 1, .threads = 2, .kernels = vector_kernels_best()};
+    struct options options = {
+        .step = 1, .pair_blocks = 256, .threads = 2, .kernels = vector_kernels_best()};
     int first_name, good = 1;
     if (!parse(argc, argv, &options, &first_name)) {
         fputs(usage, stderr);
         return 2;
     }
-    for (int i = first_name; i < argc; i++)
-        good = run(argv[i], &options) && good;
-    if (first_name < argc)
-        return good ? 0 : 1;
-    if (options.throughput) {
-        throughput_table(NULL);
-        return 0;
+    for (int i = first_name; i < argc; i++) {
+        if (!vector_kernels_find(options.kernels, argv[i])) {
+            fprintf(stderr, "accuracy: there is no function %s\n", argv[i]);
+            return 2;
+        }
+        good = print(argv[i], &options) && good;
     }
-    for (int f = 0; f < options.kernels->function_count; f++) {
-        const struct vector_function *function = &options.kernels->functions[f];
-        if (function->inputs == 1 && function->outputs == 1 &&
-            (options.hash || vector_reference_find(function->name)))
-            good = run(function->name, &options) && good;
-    }
+    if (first_name == argc)
+        good = print(NULL, &options);
     return good ? 0 : 1;
 }

@@ -16,8 +16,9 @@
 
 struct sweep {
     const struct vector_function *function;
-    const struct vector_reference *reference; /* NULL: hash only */
-    double low, high;                         /* domain of a fast function's promise */
+    const struct vector_reference *reference; /* NULL: neither errors nor order are known */
+    int without_errors;
+    double low, high; /* domain of a fast function's promise */
     uint32_t step;
     atomic_uint next_block;
     uint64_t *block_hashes;
@@ -55,6 +56,16 @@ static void find_domain(const char *name, double *low, double *high) {
     }
 }
 
+/* x[0] and y[0] are those before the block. */
+static uint64_t count_breaks(const float *x, const float *y, uint32_t count, int direction) {
+    uint64_t breaks = 0;
+    for (uint32_t i = 1; i <= count; i++) {
+        double rise = ((double)y[i] - y[i - 1]) * direction; /* NaN where one is or both are Inf */
+        breaks += x[i] > x[i - 1] ? rise < 0.0 : x[i] < x[i - 1] && rise > 0.0;
+    }
+    return breaks;
+}
+
 static void judge(const struct sweep *sweep, const float *x, const float *y, uint32_t first,
                   struct sweep_result *found) {
     const struct vector_reference *reference = sweep->reference;
@@ -71,10 +82,6 @@ static void judge(const struct sweep *sweep, const float *x, const float *y, uin
             found->absolute_max = fmax(found->absolute_max, difference);
             if (truth != 0.0)
                 found->relative_max = fmax(found->relative_max, difference / fabs(truth));
-        }
-        if (reference->monotone && !isnan(y[i]) && !isnan(y[i - 1])) {
-            double rise = ((double)y[i] - y[i - 1]) * reference->monotone;
-            found->monotone_breaks += x[i] > x[i - 1] ? rise < 0.0 : x[i] < x[i - 1] && rise > 0.0;
         }
     }
 }
@@ -93,7 +100,9 @@ static void *work(void *argument) {
             x[i + 1] = float_of_bits(first + i * sweep->step);
         sweep->function->apply((const float *[]){x}, (float *[]){y}, count + 1);
         sweep->block_hashes[block] = hash_bytes(y + 1, count * sizeof *y, block);
-        if (sweep->reference)
+        if (sweep->reference && sweep->reference->monotone)
+            found.monotone_breaks += count_breaks(x, y, count, sweep->reference->monotone);
+        if (sweep->reference && !sweep->without_errors)
             judge(sweep, x, y, first, &found);
         found.inputs += count;
     }
@@ -112,11 +121,14 @@ static void *work(void *argument) {
     return NULL;
 }
 
-void sweep_function(const struct vector_function *function, int references, uint32_t step,
+void sweep_function(const struct vector_function *function, int with_errors, uint32_t step,
                     int threads, struct sweep_result *result) {
-    struct sweep sweep = {.function = function, .step = step, .lock = PTHREAD_MUTEX_INITIALIZER};
+    struct sweep sweep = {.function = function,
+                          .without_errors = !with_errors,
+                          .step = step,
+                          .lock = PTHREAD_MUTEX_INITIALIZER};
     struct timespec start, end;
-    sweep.reference = references ? vector_reference_find(function->name) : NULL;
+    sweep.reference = vector_reference_find(function->name);
     find_domain(function->name, &sweep.low, &sweep.high);
     sweep.block_hashes = calloc(BLOCK_COUNT, sizeof *sweep.block_hashes);
     if (!sweep.block_hashes)
@@ -131,6 +143,7 @@ void sweep_function(const struct vector_function *function, int references, uint
     for (int i = 0; i < started; i++)
         pthread_join(others[i], NULL);
     clock_gettime(CLOCK_MONOTONIC, &end);
+    sweep.result.is_monotone = sweep.reference && sweep.reference->monotone;
     *result = sweep.result;
     result->hash = hash_bytes(sweep.block_hashes, BLOCK_COUNT * sizeof *sweep.block_hashes, 0);
     result->seconds =

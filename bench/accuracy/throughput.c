@@ -3,7 +3,6 @@
 
 #include "base/rng.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -32,66 +31,49 @@ static void fill(const char *name, struct rng *rng, float *a, float *b, float *c
     }
 }
 
-/* Best of `rounds`, nanoseconds a value, with arrays that stay in the first-level cache. */
-static double measure(const struct vector_function *function, int rounds) {
+void throughput_measure(const struct vector_function *const *functions, int count, double *ns) {
     static float a[COUNT], b[COUNT], c[COUNT], out[3][COUNT];
-    struct rng rng = {1};
-    fill(function->name, &rng, a, b, c);
     const float *in[3] = {a, b, c};
     float *results[3] = {out[0], out[1], out[2]};
-    double best = 1e30;
-    for (int round = 0; round < rounds; round++) {
-        double start = now_ns();
-        for (int i = 0; i < 8; i++)
-            function->apply(in, results, COUNT);
-        double ns = (now_ns() - start) / (8.0 * COUNT);
-        if (ns < best)
-            best = ns;
-    }
-    return best;
-}
-
-/* The C library's function of one float, called in a loop, for comparison. */
-static float (*library_function(const char *name))(float) {
-    static const struct {
-        const char *name;
-        float (*function)(float);
-    } library[] = {{"sin", sinf},   {"cos", cosf},   {"tan", tanf}, {"asin", asinf},
-                   {"acos", acosf}, {"atan", atanf}, {"exp", expf}, {"exp2", exp2f},
-                   {"log", logf},   {"log2", log2f}};
-    for (size_t i = 0; i < sizeof library / sizeof *library; i++)
-        if (strcmp(library[i].name, name) == 0)
-            return library[i].function;
-    return NULL;
-}
-
-static float (*volatile called)(float);
-
-static void apply_library(const float *const *in, float *const *out, size_t count) {
-    float (*function)(float) = called;
-    for (size_t i = 0; i < count; i++)
-        out[0][i] = function(in[0][i]);
+    for (int f = 0; f < count; f++)
+        ns[f] = 0;
+    for (int round = 0; round < THROUGHPUT_ROUNDS; round++)
+        for (int f = 0; f < count; f++) {
+            if (!functions[f])
+                continue;
+            struct rng rng = {1};
+            fill(functions[f]->name, &rng, a, b, c);
+            functions[f]->apply(in, results, COUNT); /* warm up */
+            double start = now_ns();
+            for (int i = 0; i < 8; i++)
+                functions[f]->apply(in, results, COUNT);
+            double time = (now_ns() - start) / (8.0 * COUNT);
+            if (round == 0 || time < ns[f])
+                ns[f] = time;
+        }
 }
 
 void throughput_table(const char *only) {
-    printf("ns a value, one thread, best of 40 rounds of 8 x %d values\n%-14s", COUNT, "function");
+    enum { SETS_MAX = 8 };
+    printf("ns a value, one thread, best of %d rounds of 8 x %d values\n%-14s", THROUGHPUT_ROUNDS,
+           COUNT, "function");
     for (int s = 0; s < vector_kernel_set_count; s++)
         printf(" %14s", vector_kernel_sets[s]->name);
-    printf(" %14s\n", "C library");
+    printf("\n");
     for (int f = 0; f < vector_kernel_sets[0]->function_count; f++) {
         const char *name = vector_kernel_sets[0]->functions[f].name;
         if (only && strcmp(only, name) != 0)
             continue;
-        printf("%-14s", name);
-        for (int s = 0; s < vector_kernel_set_count; s++) {
+        const struct vector_function *functions[SETS_MAX] = {NULL};
+        double ns[SETS_MAX];
+        for (int s = 0; s < vector_kernel_set_count && s < SETS_MAX; s++)
             if (vector_kernel_sets[s]->supported())
-                printf(" %14.3f", measure(&vector_kernel_sets[s]->functions[f], 40));
-            else
-                printf(" %14s", "-");
-        }
-        called = library_function(name);
-        if (called)
-            printf(" %14.3f", measure(&(struct vector_function){name, 1, 1, apply_library}, 40));
+                functions[s] = &vector_kernel_sets[s]->functions[f];
+        throughput_measure(functions, vector_kernel_set_count, ns);
+        printf("%-14s", name);
+        for (int s = 0; s < vector_kernel_set_count; s++)
+            functions[s] ? printf(" %14.3f", ns[s]) : printf(" %14s", "-");
         printf("\n");
+        fflush(stdout);
     }
 }

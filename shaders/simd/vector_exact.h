@@ -30,8 +30,7 @@ SIMD_INLINE hd hd_exp2(hd x) {
 }
 
 SIMD_INLINE vf vf_clamp_keep_nan(vf x, float low, float high) {
-    x = vf_select((vi)(x > high), vf_set(high), x);
-    return vf_select((vi)(x < low), vf_set(low), x);
+    return vf_max(vf_set(low), vf_min(vf_set(high), x));
 }
 
 /* 2^x for all x. exp2 of an integer is exact; overflow gives Inf, underflow goes through denormals

@@ -6,7 +6,10 @@
  * argument as the exact function does and then uses a short polynomial that matches value and first
  * derivative at each end of the reduced range, so that the result is smooth across ranges. Single
  * precision throughout. NaN in gives NaN out; finite inputs never give NaN within a function's
- * domain. Bounds: docs/accuracy.md. */
+ * domain. Bounds: docs/accuracy.md.
+ *
+ * Functions that should be monotone are, from each float to the next: the argument is rounded to
+ * some 20 bits first, so that one step of it outweighs the rounding of the few operations after. */
 
 #include "vector_exact.h"
 
@@ -20,8 +23,9 @@ SIMD_INLINE vf vf_sin_reduced_fast(vf r) {
     return vf_clamp_keep_nan(value, -1.0f, 1.0f);
 }
 
+/* x - n pi to 2e-7 for |x| <= 8192 */
 SIMD_INLINE vf vf_reduce_fast(vf x, vf n) {
-    return ((x - n * FAST_PI_HIGH) - n * FAST_PI_MIDDLE) - n * FAST_PI_LOW;
+    return (x - n * FAST_PI_COARSE) - n * FAST_PI_REST;
 }
 
 /* Absolute error below 4e-4 for |x| <= 8192; magnitude at most 1 for every x; odd, sin(+-0) = +-0.
@@ -51,7 +55,8 @@ SIMD_FUNCTION vf vf_tan_fast(vf x) {
     vf size = vf_abs(x);
     vf shifted = size * FAST_TWO_OVER_PI + SIMD_ROUND_TO_INTEGER_FAST;
     vf n = (shifted - SIMD_ROUND_TO_INTEGER_FAST) * 0.5f;
-    vf r = vf_clamp_keep_nan(vf_reduce_fast(size, n), -quarter_pi, quarter_pi);
+    vf reduced = ((size - n * FAST_PI_HIGH) - n * FAST_PI_MIDDLE) - n * FAST_PI_LOW;
+    vf r = vf_clamp_keep_nan(reduced, -quarter_pi, quarter_pi);
     vf s = r * r;
     vf value = r * (FAST_TAN_0 + s * (FAST_TAN_1 + s * FAST_TAN_2));
     vi odd = -((vi)shifted & 1);
@@ -62,17 +67,19 @@ SIMD_FUNCTION vf vf_tan_fast(vf x) {
 /* acos(|x|); 0 for |x| in (1, 1 + 2^-20] */
 SIMD_INLINE vf vf_acos_reduced_fast(vf size) {
     vf s = vf_select((vi)(size > 1.0f) & (vi)(size <= 1.0f + 0x1p-20f), vf_set(1.0f), size);
+    vf t = (vf)((vi)(1.0f - s) & ~31);
+    s = 1.0f - t;
     vf q = FAST_ACOS_0 + s * (FAST_ACOS_1 + s * (FAST_ACOS_2 + s * FAST_ACOS_3));
-    return vf_sqrt(1.0f - s) * q;
+    return vf_sqrt(t) * q;
 }
 
-/* Absolute error below 1.2e-3 on [-1, 1]; odd, asin(+-0) = +-0; NaN beyond 1 + 2^-20. */
+/* Absolute error below 1.2e-3 on [-1, 1]; odd, asin(+-0) = +-0; NaN beyond 1 + 2^-20. Monotone. */
 SIMD_FUNCTION vf vf_asin_fast(vf x) {
     vf angle = FAST_HALF_PI - vf_acos_reduced_fast(vf_abs(x));
     return vf_canonical(vf_with_sign(angle, x));
 }
 
-/* Absolute error below 1.2e-3 on [-1, 1]; acos(1) = 0; NaN beyond 1 + 2^-20. */
+/* Absolute error below 1.2e-3 on [-1, 1]; acos(1) = 0; NaN beyond 1 + 2^-20. Monotone. */
 SIMD_FUNCTION vf vf_acos_fast(vf x) {
     vf angle = vf_acos_reduced_fast(vf_abs(x));
     return vf_canonical(vf_select((vi)(x < 0.0f), FAST_PI - angle, angle));
@@ -83,13 +90,13 @@ SIMD_INLINE vf vf_atan_reduced_fast(vf r) {
     return r * (FAST_ATAN_0 + s * (FAST_ATAN_1 + s * FAST_ATAN_2));
 }
 
-/* Absolute error below 8.5e-3 for all x; odd, atan(+-0) = +-0. */
+/* Absolute error below 8.5e-3 for all x; odd, atan(+-0) = +-0. Monotone. */
 SIMD_FUNCTION vf vf_atan_fast(vf x) {
-    vf size = vf_abs(x);
+    vf size = (vf)((vi)x & 0x7ffffff8);
     vi inverted = (vi)(size > 1.0f);
     vf angle = vf_atan_reduced_fast(vf_select(inverted, 1.0f / size, size));
     angle = vf_select(inverted, FAST_HALF_PI - angle, angle);
-    return vf_canonical(vf_with_sign(angle, x));
+    return vf_select((vi)(x == x), vf_with_sign(angle, x), (vf)vi_set(0x7fc00000));
 }
 
 /* Absolute error below 8.5e-3; atan2(0, 0) = 0 for zeros of any sign; special cases otherwise as
@@ -106,16 +113,17 @@ SIMD_FUNCTION vf vf_atan2_fast(vf y, vf x) {
     return vf_select(valid, vf_with_sign(angle, y), (vf)vi_set(0x7fc00000));
 }
 
-/* Relative error below 6.2e-4 where the result is normal. Exact at integers. Saturates: 3.4e38 from
- * 128 up (Inf included), 0 below -126; never NaN unless x is. */
+/* Relative error below 6.2e-4 where the result is normal. Exact at integers, monotone. Saturates:
+ * 3.4e38 from 128 up (Inf included), 0 below -126; never NaN unless x is. */
 SIMD_FUNCTION vf vf_exp2_fast(vf x) {
     vf v = vf_clamp_keep_nan(x, -126.0f, 0x1.fffffep6f);
-    vf down = vf_floor(v);
-    vf f = v - down;
+    vf shifted = (v - 0.5f) + SIMD_ROUND_TO_INTEGER_FAST;
+    vf f =
+        v - (shifted - SIMD_ROUND_TO_INTEGER_FAST); /* 0 to 1; odd integers give 1, even ones 0 */
+    f = (f + 0x1.8p4f) - 0x1.8p4f;
     vf p = FAST_EXP2_0 + f * (FAST_EXP2_1 + f * (FAST_EXP2_2 + f * FAST_EXP2_3));
-    vu n = (vu)(down + SIMD_ROUND_TO_INTEGER_FAST) << 23;
-    vf value = (vf)((vu)p + n);
-    value = (vf)((vi)value & ~(vi)(x < -126.0f));
+    vf value = (vf)((vu)p + ((vu)shifted << 23));
+    value = (vf)((vi)value & (vi)(x >= -126.0f));
     return vf_select((vi)(x == x), value, (vf)vi_set(0x7fc00000));
 }
 
@@ -130,12 +138,12 @@ SIMD_FUNCTION vf vf_exp_fast(vf x) {
 SIMD_INLINE vf vf_log2_finite_fast(vf x) {
     vi bits = (vi)x & 0x7fffffff;
     vf e = (vf)((bits >> 23) | 0x4b000000) - (0x1p23f + 127.0f);
-    vf f = (vf)((bits & 0x7fffff) | 0x3f800000) - 1.0f;
+    vf f = (vf)((bits & 0x7ffff8) | 0x3f800000) - 1.0f;
     return e + f * (FAST_LOG2_1 + f * (FAST_LOG2_2 + f * FAST_LOG2_3));
 }
 
-/* Absolute error below 5.3e-3 for normal x; log2(2^k) = k; finite (about -126.5) for denormals. +-0
- * gives -Inf, negative numbers NaN, Inf gives Inf. */
+/* Absolute error below 5.3e-3 for normal x; log2(2^k) = k; finite (about -126.5) for denormals;
+ * monotone. +-0 gives -Inf, negative numbers NaN, Inf gives Inf. */
 SIMD_FUNCTION vf vf_log2_fast(vf x) {
     return vf_log_special(x, vf_log2_finite_fast(x));
 }

@@ -4,11 +4,12 @@
 
 /* Everything that compiled shaders call: vectors of SHADER_WIDTH samples (vector_types.h), exact
  * functions (vector_exact.h, vector_trigonometry.h), the paper's fast ones (vector_fast.h), noise
- * (vector_noise.h, vector_lattice.h), and here their scalar twins for uniform code: sf_sin(x) has the bits of every
- * lane of vf_sin(vf_set(x)). */
+ * (vector_noise.h, vector_lattice.h, vector_fixed_noise.h), and here their scalar twins for uniform
+ * code: sf_sin(x) has the bits of every lane of vf_sin(vf_set(x)). */
 
 #include "vector_exact.h"
 #include "vector_fast.h"
+#include "vector_fixed_noise.h"
 #include "vector_lattice.h"
 #include "vector_noise.h"
 #include "vector_trigonometry.h"

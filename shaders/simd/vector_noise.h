@@ -226,9 +226,8 @@ SIMD_INLINE vf vf_noise_in_segment(vi i, vi j, vi k, vf x, vf u) {
 
 /* n to RSL's range */
 SIMD_INLINE vf vf_noise_range(vf n) {
-    vf value = 0.5f + 0.5f * n;
-    value = vf_select((vi)(value < 0.0f), vf_set(0.0f), value);
-    return vf_canonical(vf_select((vi)(value > 1.0f), vf_set(1.0f), value));
+    vf value = vf_max(vf_set(0.0f), 0.5f + 0.5f * n);
+    return vf_canonical(vf_min(vf_set(1.0f), value));
 }
 
 /* How far apart in the lattice the three components of vector noise are, along each axis. */

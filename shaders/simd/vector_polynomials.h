@@ -139,6 +139,8 @@
 #define FAST_PI_HIGH 0x1.92p1f
 #define FAST_PI_MIDDLE 0x1.fb4p-11f
 #define FAST_PI_LOW 0x1.4442d2p-23f
+#define FAST_PI_COARSE 0x1.922p1f
+#define FAST_PI_REST -0x1.2aeef4p-17f
 #define FAST_PI 0x1.921fb6p1f
 #define FAST_HALF_PI 0x1.921fb6p0f
 #define FAST_LOG2_E 0x1.715476p0f

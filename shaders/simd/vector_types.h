@@ -155,13 +155,30 @@ SIMD_INLINE hd hd_with_sign(hd x, hd sign) {
 }
 
 /* a < b ? a : b and a > b ? a : b: where either is NaN, and for zeros of different sign, the result
- * is b. */
+ * is b. That is what the processor's instruction does, which no compiler finds by itself. */
+#if defined(__SSE2__) && SHADER_WIDTH == 4
+#define SIMD_MIN(a, b) __builtin_ia32_minps(a, b)
+#define SIMD_MAX(a, b) __builtin_ia32_maxps(a, b)
+#elif defined(__AVX__) && SHADER_WIDTH == 8
+#define SIMD_MIN(a, b) __builtin_ia32_minps256(a, b)
+#define SIMD_MAX(a, b) __builtin_ia32_maxps256(a, b)
+#elif defined(__AVX512F__) && SHADER_WIDTH == 16 && defined(__clang__)
+#define SIMD_MIN(a, b) __builtin_ia32_minps512(a, b, 4)
+#define SIMD_MAX(a, b) __builtin_ia32_maxps512(a, b, 4)
+#elif defined(__AVX512F__) && SHADER_WIDTH == 16
+#define SIMD_MIN(a, b) __builtin_ia32_minps512_mask(a, b, b, (short)-1, 4)
+#define SIMD_MAX(a, b) __builtin_ia32_maxps512_mask(a, b, b, (short)-1, 4)
+#else
+#define SIMD_MIN(a, b) vf_select((vi)((a) < (b)), a, b)
+#define SIMD_MAX(a, b) vf_select((vi)((a) > (b)), a, b)
+#endif
+
 SIMD_INLINE vf vf_min(vf a, vf b) {
-    return vf_select((vi)(a < b), a, b);
+    return SIMD_MIN(a, b);
 }
 
 SIMD_INLINE vf vf_max(vf a, vf b) {
-    return vf_select((vi)(a > b), a, b);
+    return SIMD_MAX(a, b);
 }
 
 /* The nearest integers below, above, and nearest with halves away from zero. Exact; the sign of
