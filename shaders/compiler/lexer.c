@@ -30,6 +30,9 @@ static const struct {
     {"-=", TOKEN_SUBTRACT_ASSIGN},
     {"*=", TOKEN_MULTIPLY_ASSIGN},
     {"/=", TOKEN_DIVIDE_ASSIGN},
+    {"<<", TOKEN_SHIFT_LEFT},
+    {">>", TOKEN_SHIFT_RIGHT},
+    {"##", TOKEN_PASTE},
 };
 
 void lexer_start(struct lexer *lexer, struct compilation *c, const char *file, const char *text,
@@ -123,6 +126,10 @@ static void read_number(struct lexer *lexer, struct token *token) {
     }
     length = (size_t)(text - lexer->cursor);
     token->kind = TOKEN_NUMBER;
+    while (lexer->in_directive && text < lexer->end &&
+           (isalnum((unsigned char)*text) || *text == '_'))
+        text++; /* 0x1F and 10L of conditions, what ## makes of others */
+    token->text = compilation_copy(lexer->c, lexer->cursor, (size_t)(text - lexer->cursor));
     if (length >= sizeof digits) {
         compile_error(lexer->c, &token->at, "this number has too many digits");
     } else {
@@ -174,8 +181,12 @@ static void read_word(struct lexer *lexer, struct token *token) {
 
 void lexer_next(struct lexer *lexer, struct token *token) {
     for (;;) {
+        const char *before = lexer->cursor;
         skip_space(lexer);
-        *token = (struct token){.kind = TOKEN_END, .at = here(lexer), .text = ""};
+        *token = (struct token){.kind = TOKEN_END,
+                                .at = here(lexer),
+                                .text = "",
+                                .has_space = lexer->cursor != before};
         if (lexer->cursor >= lexer->end)
             return;
         unsigned char byte = (unsigned char)*lexer->cursor;
@@ -184,9 +195,9 @@ void lexer_next(struct lexer *lexer, struct token *token) {
             token->kind = TOKEN_NEWLINE;
             return;
         }
-        if (byte == '#' && (lexer->in_directive || at_line_start(lexer))) {
+        if (byte == '#' && !lexer->in_directive && at_line_start(lexer)) {
             lexer->cursor++;
-            token->kind = lexer->in_directive ? '#' : TOKEN_DIRECTIVE;
+            token->kind = TOKEN_DIRECTIVE;
             return;
         }
         if (isdigit(byte) || (byte == '.' && isdigit((unsigned char)peek(lexer, 1)))) {
@@ -202,13 +213,16 @@ void lexer_next(struct lexer *lexer, struct token *token) {
             return;
         }
         for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
-            if (peek(lexer, 0) == pairs[i].text[0] && peek(lexer, 1) == pairs[i].text[1]) {
+            if (peek(lexer, 0) == pairs[i].text[0] && peek(lexer, 1) == pairs[i].text[1] &&
+                (lexer->in_directive || pairs[i].kind < TOKEN_SHIFT_LEFT)) {
                 token->kind = pairs[i].kind;
                 lexer->cursor += 2;
                 return;
             }
         lexer->cursor++;
-        if (byte && strchr("+-*/.^!<>=?:;,(){}[]", byte)) {
+        if (byte && strchr(lexer->in_directive ? "+-*/.^!<>=?:;,(){}[]#%&|~\\'@`$"
+                                               : "+-*/.^!<>=?:;,(){}[]",
+                           byte)) {
             token->kind = byte;
             return;
         }

@@ -51,6 +51,9 @@ enum token_kind {
     TOKEN_SUBTRACT_ASSIGN,
     TOKEN_MULTIPLY_ASSIGN,
     TOKEN_DIVIDE_ASSIGN,
+    TOKEN_SHIFT_LEFT, /* these two and the next in directives only */
+    TOKEN_SHIFT_RIGHT,
+    TOKEN_PASTE,     /* ## */
     TOKEN_DIRECTIVE, /* '#' at the start of a line; seen by preprocess.c only */
     TOKEN_NEWLINE,   /* the end of a directive, likewise */
 #define KEYWORD_ENUM(name, spelling) TOKEN_##name,
@@ -61,9 +64,11 @@ enum token_kind {
 struct token {
     int kind;
     struct source_location at;
-    const char *text; /* identifier or string contents, NUL-terminated, in the arena */
+    const char *text; /* identifier, string contents or the spelling of a number, NUL-terminated, in
+                         the arena */
     float number;
     bool is_expanded; /* names a macro inside its own expansion: stays */
+    bool has_space;   /* white space or a comment before it */
 };
 
 struct lexer {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/preprocess.h"
 
+#include <stdio.h>
 #include <string.h>
 
 void token_list_add(struct compilation *c, struct token_list *list, const struct token *token) {
@@ -65,17 +66,42 @@ static const char *beside(struct preprocessor *p, const char *name) {
     return path;
 }
 
-static void include_file(struct preprocessor *p, const struct source_location *at,
-                         const struct token_list *line) {
-    const struct shader_compile_options *options = p->c->options;
-    const char *text = NULL, *name, *near;
-    size_t length = 0;
-    if (line->count != 1 || line->tokens[0].kind != TOKEN_STRING) {
-        compile_error(p->c, at, "expected #include \"file\"");
-        return;
+/* The name after #include: "file", <file>, or a macro that stands for "file". NULL: an error was
+ * reported. Moves *at to the name. */
+static const char *include_name(struct preprocessor *p, struct source_location *at) {
+    struct lexer *lexer = &p->file->lexer;
+    struct token_list line = {0}, expanded = {0};
+    const char *start = lexer->cursor, *name = NULL;
+    while (start < lexer->end && (*start == ' ' || *start == '\t'))
+        start++;
+    if (start < lexer->end && *start == '<') {
+        const char *end = start;
+        while (end < lexer->end && *end != '>' && *end != '\n')
+            end++;
+        if (end < lexer->end && *end == '>') {
+            name = compilation_copy(p->c, start + 1, (size_t)(end - start) - 1);
+            at->column += (int)(start - at->line_text) + 1 - at->column;
+            lexer->cursor = end + 1;
+        }
     }
-    name = line->tokens[0].text;
-    at = &line->tokens[0].at;
+    preprocess_line(p, &line);
+    macro_expand_list(p, &line, &expanded);
+    if (!name && expanded.count == 1 && expanded.tokens[0].kind == TOKEN_STRING) {
+        *at = expanded.tokens[0].at;
+        return expanded.tokens[0].text;
+    }
+    if (!name || line.count)
+        compile_error(p->c, at, "expected #include \"file\" or <file>");
+    return line.count ? NULL : name;
+}
+
+static void include_file(struct preprocessor *p, const struct source_location *where) {
+    const struct shader_compile_options *options = p->c->options;
+    struct source_location place = *where, *at = &place;
+    const char *text = NULL, *name = include_name(p, at), *near;
+    size_t length = 0;
+    if (!name)
+        return;
     if (!options || !options->read_include) {
         compile_error(p->c, at, "#include is not possible here: there are no files to read from");
         return;
@@ -133,15 +159,17 @@ static void obey_directive(struct preprocessor *p, const struct source_location 
         compile_error(p->c, at, "#error%.*s", length > 200 ? 200 : length, text);
         compilation_stop(p->c);
     }
+    if (says(&name, "include")) {
+        include_file(p, at);
+        return;
+    }
     preprocess_line(p, &line);
     if (name.kind == TOKEN_NUMBER) {
         set_line(p, &name, &line);
     } else if (says(&name, "line") && line.count && line.tokens[0].kind == TOKEN_NUMBER) {
         struct token_list rest = {line.tokens + 1, line.count - 1, 0};
         set_line(p, &line.tokens[0], &rest);
-    } else if (says(&name, "include")) {
-        include_file(p, at, &line);
-    } else {
+    } else if (!says(&name, "ident") && !says(&name, "sccs")) { /* these two say who wrote it */
         compile_error(p->c, at, "there is no directive #%.64s",
                       name.kind >= TOKEN_IDENTIFIER && name.text ? name.text : "");
     }
@@ -188,9 +216,23 @@ void preprocess_raw(struct preprocessor *p, struct token *token) {
     read_file(p, token);
 }
 
+/* __FILE__ and __LINE__ */
+static void name_place(struct preprocessor *p, struct token *token) {
+    bool is_line = says(token, "__LINE__");
+    if (token->kind != TOKEN_IDENTIFIER)
+        return;
+    token->kind = is_line ? TOKEN_NUMBER : TOKEN_STRING;
+    token->number = (float)token->at.line;
+    char digits[16];
+    snprintf(digits, sizeof digits, "%d", token->at.line);
+    token->text = is_line ? compilation_copy(p->c, digits, strlen(digits)) : token->at.file;
+}
+
 void preprocess_next(struct preprocessor *p, struct token *token) {
     for (;;) {
         preprocess_raw(p, token);
+        if (says(token, "__LINE__") || says(token, "__FILE__"))
+            name_place(p, token);
         bool is_word = token->kind == TOKEN_IDENTIFIER || token->kind > TOKEN_NEWLINE;
         struct macro *macro = is_word && !token->is_expanded ? macro_find(p, token->text) : NULL;
         if (!macro)

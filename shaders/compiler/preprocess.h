@@ -78,6 +78,13 @@ bool macro_expand(struct preprocessor *p, struct macro *macro, const struct toke
 void macro_expand_list(struct preprocessor *p, const struct token_list *list,
                        struct token_list *expanded);
 
+/* preprocess_text.c: how words are written */
+/* The words as one string, as # makes of an argument. */
+struct token token_text_of(struct compilation *c, const struct token_list *list);
+/* One word of two, as ## makes; an error when they do not make one. */
+struct token token_paste(struct compilation *c, const struct token *left, const struct token *right,
+                         const struct source_location *at);
+
 /* preprocess_condition.c: obeys the directive of this name and returns true if it is one of #if's
  * family */
 bool condition_directive(struct preprocessor *p, const struct token *name);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/preprocess.h"
 
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* #if and its family. What is not taken is skipped unread. */
 
@@ -9,6 +11,7 @@ struct reader {
     struct preprocessor *p;
     const struct token_list *list;
     int at, depth;
+    int skipping;                 /* inside what && || ?: do not evaluate */
     struct source_location where; /* of the directive */
     bool is_wrong;
 };
@@ -24,14 +27,30 @@ static void complain(struct reader *r, const char *text) {
     r->is_wrong = true;
 }
 
-static double read_binary(struct reader *r, int lowest);
+static void enter(struct reader *r) {
+    if (++r->depth > NESTING_MAX)
+        compile_limit(r->p->c, &r->where, "nested more than %d deep", NESTING_MAX);
+}
 
-/* ('!' | '-' | '+') unary | number | name | '(' binary ')' */
+static double read_conditional(struct reader *r);
+
+/* Conditions are whole numbers as in C; 3.5 is a number, too, for shaders that ask for versions. */
+static double number_of(const struct token *token) {
+    bool is_whole = !strpbrk(token->text, ".") &&
+                    (!strpbrk(token->text, "eE") || !strncasecmp(token->text, "0x", 2));
+    return is_whole ? (double)strtoll(token->text, NULL, 0) : strtod(token->text, NULL);
+}
+
+/* Far inside what fits, so that every conversion is defined. */
+static int64_t whole(double number) {
+    return number >= 9e18 ? (int64_t)9e18 : number > -9e18 ? (int64_t)number : (int64_t)-9e18;
+}
+
+/* ('!' | '~' | '-' | '+') unary | number | name | '(' conditional ')' */
 static double read_unary(struct reader *r) {
     double value = 0;
     int kind = peek(r);
-    if (++r->depth > NESTING_MAX)
-        compile_limit(r->p->c, &r->where, "nested more than %d deep", NESTING_MAX);
+    enter(r);
     r->at++;
     if (kind == '!') {
         value = read_unary(r) == 0;
@@ -39,10 +58,12 @@ static double read_unary(struct reader *r) {
         value = -read_unary(r);
     } else if (kind == '+') {
         value = read_unary(r);
+    } else if (kind == '~') {
+        value = (double)~whole(read_unary(r));
     } else if (kind == TOKEN_NUMBER) {
-        value = (double)r->list->tokens[r->at - 1].number;
+        value = number_of(&r->list->tokens[r->at - 1]);
     } else if (kind == '(') {
-        value = read_binary(r, 1);
+        value = read_conditional(r);
         if (peek(r) != ')')
             complain(r, "expected ')' in the condition");
         r->at++;
@@ -61,22 +82,52 @@ static int precedence(int kind) {
         return 1;
     case TOKEN_AND:
         return 2;
+    case '|':
+        return 3;
+    case '^':
+        return 4;
+    case '&':
+        return 5;
     case TOKEN_EQUAL:
     case TOKEN_NOT_EQUAL:
-        return 3;
+        return 6;
     case '<':
     case '>':
     case TOKEN_LESS_EQUAL:
     case TOKEN_GREATER_EQUAL:
-        return 4;
+        return 7;
+    case TOKEN_SHIFT_LEFT:
+    case TOKEN_SHIFT_RIGHT:
+        return 8;
     case '+':
     case '-':
-        return 5;
+        return 9;
     case '*':
     case '/':
-        return 6;
+    case '%':
+        return 10;
     }
     return 0;
+}
+
+static double divide(struct reader *r, int kind, double a, double b) {
+    bool is_whole = a == (double)whole(a) && b == (double)whole(b);
+    if (b == 0) {
+        if (!r->skipping)
+            complain(r, "division by zero in a condition");
+        return 0;
+    }
+    if (kind == '%')
+        return whole(b) ? (double)(whole(a) % whole(b)) : 0;
+    return is_whole ? (double)(whole(a) / whole(b)) : a / b;
+}
+
+static double shift(double a, double b) {
+    int64_t count = whole(b);
+    if (count < 0 || count > 62)
+        return 0;
+    double power = (double)((int64_t)1 << count);
+    return power == 1 ? a : a * power;
 }
 
 static double apply(struct reader *r, int kind, double a, double b) {
@@ -85,6 +136,12 @@ static double apply(struct reader *r, int kind, double a, double b) {
         return a != 0 || b != 0;
     case TOKEN_AND:
         return a != 0 && b != 0;
+    case '|':
+        return (double)(whole(a) | whole(b));
+    case '^':
+        return (double)(whole(a) ^ whole(b));
+    case '&':
+        return (double)(whole(a) & whole(b));
     case TOKEN_EQUAL:
         return a == b;
     case TOKEN_NOT_EQUAL:
@@ -97,6 +154,10 @@ static double apply(struct reader *r, int kind, double a, double b) {
         return a <= b;
     case TOKEN_GREATER_EQUAL:
         return a >= b;
+    case TOKEN_SHIFT_LEFT:
+        return shift(a, b);
+    case TOKEN_SHIFT_RIGHT:
+        return b >= 0 && b <= 62 ? (double)(whole(a) >> whole(b)) : 0;
     case '+':
         return a + b;
     case '-':
@@ -104,9 +165,7 @@ static double apply(struct reader *r, int kind, double a, double b) {
     case '*':
         return a * b;
     default:
-        if (b == 0)
-            complain(r, "division by zero in a condition");
-        return b == 0 ? 0 : a / b;
+        return divide(r, kind, a, b);
     }
 }
 
@@ -114,10 +173,33 @@ static double read_binary(struct reader *r, int lowest) {
     double left = read_unary(r);
     int level, kind;
     while ((level = precedence(kind = peek(r))) >= lowest && level) {
+        bool is_decided = (kind == TOKEN_OR && left != 0) || (kind == TOKEN_AND && left == 0);
         r->at++;
+        r->skipping += is_decided;
         left = apply(r, kind, left, read_binary(r, level + 1));
+        r->skipping -= is_decided;
     }
     return left;
+}
+
+/* binary ['?' conditional ':' conditional] */
+static double read_conditional(struct reader *r) {
+    double condition = read_binary(r, 1);
+    if (peek(r) != '?')
+        return condition;
+    enter(r);
+    r->at++;
+    r->skipping += condition == 0;
+    double yes = read_conditional(r);
+    r->skipping -= condition == 0;
+    if (peek(r) != ':')
+        complain(r, "expected ':' in the condition");
+    r->at++;
+    r->skipping += condition != 0;
+    double no = read_conditional(r);
+    r->skipping -= condition != 0;
+    r->depth--;
+    return condition != 0 ? yes : no;
 }
 
 static bool says(const struct token *token, const char *text) {
@@ -135,7 +217,7 @@ static void resolve_defined(struct preprocessor *p, const struct token_list *lin
             (line->tokens[name].kind == TOKEN_IDENTIFIER ||
              line->tokens[name].kind > TOKEN_NEWLINE)) {
             one.kind = TOKEN_NUMBER;
-            one.number = macro_find(p, line->tokens[name].text) ? 1 : 0;
+            one.text = macro_find(p, line->tokens[name].text) ? "1" : "0";
             i = name + (has_parenthesis && line->tokens[name + 1].kind == ')');
         }
         token_list_add(p->c, resolved, &one);
@@ -148,7 +230,7 @@ static bool read_condition(struct preprocessor *p, const struct source_location 
     resolve_defined(p, &line, &resolved);
     macro_expand_list(p, &resolved, &expanded);
     struct reader r = {.p = p, .list = &expanded, .where = *at};
-    double value = read_binary(&r, 1);
+    double value = read_conditional(&r);
     if (r.at < expanded.count)
         complain(&r, "expected an operator in the condition");
     return value != 0;

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* Macros, as in C but for # and ##. */
+/* Macros, as in C. */
 
 static struct macro **bucket_of(struct preprocessor *p, const char *name) {
     return &p->macros[hash_string(name, 0) % MACRO_BUCKETS];
@@ -74,19 +74,23 @@ void macro_define(struct preprocessor *p) {
     }
     macro->name = name.text;
     for (int i = macro->is_function ? read_parameters(p, macro, &line) : 0; i < line.count; i++) {
-        if (line.tokens[i].kind == '#') {
-            compile_error(p->c, &line.tokens[i].at, "# and ## in macros are not supported");
-            return;
-        }
         token_list_add(p->c, &macro->body, &line.tokens[i]);
+    }
+    if (macro->body.count && (macro->body.tokens[0].kind == TOKEN_PASTE ||
+                              macro->body.tokens[macro->body.count - 1].kind == TOKEN_PASTE)) {
+        compile_error(p->c, &name.at, "## stands between two words");
+        return;
     }
     old = macro_find(p, macro->name);
     if (!old) {
         macro->next = *bucket_of(p, macro->name);
         *bucket_of(p, macro->name) = macro;
     } else if (!is_same(old, macro)) {
-        compile_error(p->c, &name.at, "macro '%.64s' is defined twice and not the same",
-                      macro->name);
+        compile_warning(p->c, &name.at, "macro '%.64s' is defined anew, and not the same",
+                        macro->name);
+        old->is_function = macro->is_function;
+        old->parameters = macro->parameters;
+        old->body = macro->body;
     }
 }
 
@@ -175,8 +179,34 @@ static int parameter_number(const struct macro *macro, const struct token *token
     return -1;
 }
 
+/* What the i-th word of the body stands for: itself, an argument with its macros expanded, an
+ * argument as it was written (next to ##), or the text of one (after #). */
+static struct token_list operand(struct preprocessor *p, const struct macro *macro, int *i,
+                                 const struct source_location *at,
+                                 const struct token_list *arguments) {
+    const struct token_list *body = &macro->body;
+    struct token one = body->tokens[*i];
+    struct token_list list = {0};
+    bool is_pasted = (*i > 0 && body->tokens[*i - 1].kind == TOKEN_PASTE) ||
+                     (*i + 1 < body->count && body->tokens[*i + 1].kind == TOKEN_PASTE);
+    bool is_text = one.kind == '#' && macro->is_function && *i + 1 < body->count;
+    int number = parameter_number(macro, is_text ? &body->tokens[*i + 1] : &one);
+    if (is_text && number >= 0) {
+        one = token_text_of(p->c, &arguments[number]);
+        ++*i;
+    } else if (number >= 0 && is_pasted) {
+        return arguments[number];
+    } else if (number >= 0) {
+        macro_expand_list(p, &arguments[number], &list);
+        return list;
+    }
+    one.at = *at;
+    token_list_add(p->c, &list, &one);
+    return list;
+}
+
 bool macro_expand(struct preprocessor *p, struct macro *macro, const struct token *token) {
-    struct token_list arguments[MACRO_ARGUMENTS_MAX], *body;
+    struct token_list arguments[MACRO_ARGUMENTS_MAX], *result;
     struct source_location at = token->at;
     if (macro->is_function) {
         struct token next;
@@ -189,23 +219,23 @@ bool macro_expand(struct preprocessor *p, struct macro *macro, const struct toke
         memset(arguments, 0, sizeof arguments);
         if (!read_arguments(p, macro, &at, arguments))
             return true; /* nothing in its place */
-        for (int i = 0; i < macro->parameters.count; i++) {
-            struct token_list expanded = {0};
-            macro_expand_list(p, &arguments[i], &expanded);
-            arguments[i] = expanded;
-        }
     }
-    body = compilation_get(p->c, sizeof *body);
+    result = compilation_get(p->c, sizeof *result);
+    bool pastes = false; /* ## was just passed, and there is something before it */
     for (int i = 0; i < macro->body.count; i++) {
-        struct token one = macro->body.tokens[i];
-        int number = parameter_number(macro, &one);
-        one.at = at;
-        if (number < 0)
-            add_expanded(p, body, &one);
-        else
-            for (int a = 0; a < arguments[number].count; a++)
-                add_expanded(p, body, &arguments[number].tokens[a]);
+        int before = result->count, first = 0;
+        if (macro->body.tokens[i].kind == TOKEN_PASTE)
+            continue;
+        struct token_list one = operand(p, macro, &i, &at, arguments);
+        if (pastes && one.count) {
+            struct token *left = &result->tokens[result->count - 1];
+            *left = token_paste(p->c, left, &one.tokens[first++], &at);
+        }
+        for (; first < one.count; first++)
+            add_expanded(p, result, &one.tokens[first]);
+        pastes = i + 1 < macro->body.count && macro->body.tokens[i + 1].kind == TOKEN_PASTE &&
+                 (result->count > before || (pastes && result->count));
     }
-    push(p, body, macro, false);
+    push(p, result, macro, false);
     return true;
 }

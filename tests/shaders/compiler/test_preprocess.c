@@ -65,6 +65,16 @@ static void a_macro_is_what_it_stands_for(void **state) {
     assert_same("#define s (s + 1)\n#define f(x) g(x)\n#define g(x) f(x)\n"
                 "float f(float x) { return x; }\nsurface a() { Ci = f(s); }",
                 "float f(float x) { return x; }\nsurface a() { Ci = f((s + 1)); }");
+    assert_same("#define PASTE(a, b) a ## b\n#define TURN 7\n#define SHOW(x) #x\n"
+                "#define LATER(a, b) PASTE(a, b)\n#define ONE a\n"
+                "surface a(string a1 = SHOW(TURN + \"x\"); string a = \"\";) { float TURNS = 2, PASTE(T, URNED) = 3;\n"
+                "  Ci = PASTE(TURN, S) * PASTE(1, 2) * (a1 == SHOW(b  c) ? 1 : LATER(ONE, ) == \"\" ? 2 "
+                ": 3); }",
+                "surface a(string a1 = \"TURN + \\\"x\\\"\"; string a = \"\";) { float TURNS = 2, TURNED = 3;\n"
+                "  Ci = TURNS * 12 * (a1 == \"b c\" ? 1 : a == \"\" ? 2 : 3); }");
+    assert_same("#define HERE __LINE__\n\nsurface a() {\n  Ci = (\"test.sl\" == __FILE__ ? 1 : 0) + "
+                "HERE; }",
+                "surface a() {\n  Ci = (\"test.sl\" == \"test.sl\" ? 1 : 0) + 4; }");
     assert_same("#define K 1\n#undef K\n#define K 2\n#define K 2\n#pragma nolint 'x\n"
                 "surface a() { Ci = K\n; }",
                 "surface a() { Ci = 2; }");
@@ -89,6 +99,13 @@ static void conditions_choose_what_is_read(void **state) {
         {"#if TWICE(A) >= 11", false},
         {"#if UNKNOWN", false},
         {"#if -A < 0", true},
+        {"#if 3 / 2 == 1 && 7 % 4 == 3 && 0x10 == 16 && 010 == 8 && 5L == 5", true},
+        {"#if (A & 4) && (A | 2) == 7 && (A ^ 1) == 4 && ~0 == -1", true},
+        {"#if 1 << 3 == 8 && 9 >> 2 == 2", true},
+        {"#if A == 5 ? 0 : 1 / 0", false},
+        {"#if defined B && 1 / B", false},
+        {"#if A - 2.5 == 2.5", true},
+        {"#ifdef A\n#undef B\n#ident \"$Id\"\n#endif\n#if !defined(B)", true},
         {"#if 0\n#if 1\n#else\nnonsense ' $\n#endif\n /* #endif */ #\n#elif A == 5", true},
         {"#if 1\nfloat unused() { return 1; }\n#elif nonsense(\n#endif\n#if 0", false},
     };
@@ -103,6 +120,10 @@ static void conditions_choose_what_is_read(void **state) {
 }
 
 static void included_files_are_read_in_place(void **state) {
+    assert_same("#define TILE \"patterns/tile.h\"\n#include <constants.h>\n#include TILE\n"
+                "surface a() { Ci = tile(s) * THREE; }",
+                "float tile(float x) { return step(0.5, mod(x, 1)) + 3; }\n"
+                "surface a() { Ci = tile(s) * 3; }");
     assert_same("#include \"constants.h\"\n#include \"constants.h\"\n"
                 "#include \"patterns/tile.h\"\nsurface a() { Ci = tile(s) * THREE; }",
                 "float tile(float x) { return step(0.5, mod(x, 1)) + 3; }\n"
@@ -122,10 +143,12 @@ static const struct {
      "test.sl:2:20: error: macro 'F' takes 2 arguments, not 1"},
     {"#define F(x) x\nsurface a() { Ci = F(1; }",
      "test.sl:2:20: error: the arguments of macro 'F' never end"},
-    {"#define F(x) #x\nsurface a() { Ci = 1; }",
-     "test.sl:1:14: error: # and ## in macros are not supported"},
-    {"#define K 1\n#define K 2\nsurface a() { Ci = K; }",
-     "test.sl:2:9: error: macro 'K' is defined twice and not the same"},
+    {"#define F(x) x ##\nsurface a() { Ci = 1; }",
+     "test.sl:1:9: error: ## stands between two words"},
+    {"#define F(x, y) x ## y\nsurface a() { Ci = F(+, 1); }",
+     "test.sl:2:20: error: ## does not make one word of \"+1\""},
+    {"#if (1 ? 2\n#endif\nsurface a() { Ci = 1; }",
+     "test.sl:1:2: error: expected ':' in the condition"},
     {"#define F(x\nsurface a() { Ci = 1; }",
      "test.sl:1:10: error: expected the names of a macro's parameters, then ')'"},
     {"#define 3\nsurface a() { Ci = 1; }", "test.sl:1:9: error: expected the name of a macro"},
@@ -140,7 +163,12 @@ static const struct {
     {"#ifndef X\n#error wants X\n#endif\nsurface a() { Ci = 1; }",
      "test.sl:2:1: error: #error wants X"},
     {"#import x\nsurface a() { Ci = 1; }", "test.sl:1:1: error: there is no directive #import"},
-    {"#include <x.h>\nsurface a() { Ci = 1; }", "test.sl:1:1: error: expected #include \"file\""},
+    {"#include <x.h>\nsurface a() { Ci = 1; }",
+     "test.sl:1:10: error: cannot find \"x.h\" to include\n#include <x.h>\n         ^"},
+    {"#include x\nsurface a() { Ci = 1; }",
+     "test.sl:1:1: error: expected #include \"file\" or <file>"},
+    {"#include <constants.h> x\nsurface a() { Ci = 1; }",
+     "test.sl:1:10: error: expected #include \"file\" or <file>"},
     {"#include \"x.h\"\nsurface a() { Ci = 1; }",
      "test.sl:1:10: error: cannot find \"x.h\" to include\n#include \"x.h\"\n         ^"},
     {"#include \"itself.h\"\nsurface a() { Ci = 1; }",
