@@ -17,6 +17,7 @@
     X(FLOAT_SELECT, "float_select", "minimum, maximum or choice of two floats")                    \
     X(FLOAT_SIGN, "float_sign", "absolute value or change of sign of a float")                     \
     X(FLOAT_MOVE, "float_move", "copy or load 4 bytes of pixel memory")                            \
+    X(FLOAT_DIFFERENCE, "float_difference", "difference of a float and a neighbouring sample's")   \
     X(LOGIC, "logic", "one boolean operation or change of the enable flag")                        \
     X(SIN, "sin", "sine")                                                                          \
     X(COS, "cos", "cosine")                                                                        \

@@ -95,6 +95,12 @@ bool machine_from_values(const char *name, const int64_t values[MACHINE_VALUE_CO
         return status_fail(status, STATUS_INVALID,
                            "machine %s: composition_word_bytes leaves no room beside the depth",
                            machine->name);
+    if (machine->region_width % 2 || machine->region_height % 2)
+        return status_fail(
+            status, STATUS_INVALID,
+            "machine %s: region_width and region_height must be even, so that the 2 x "
+            "2 samples of a derivative lie in one region",
+            machine->name);
     return derive_ticks(machine, status);
 }
 

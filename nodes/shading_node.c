@@ -21,6 +21,7 @@ struct batch {
     float *memory; /* material planes, then the fixed planes below */
     const float **material;
     float *position[3], *incident[3], *color[3], *opacity[3];
+    int32_t *present;
     size_t light_capacity;
     float *light_scratch;
 };
@@ -60,7 +61,7 @@ static float *planes_create(size_t count) {
 }
 
 static void batch_reserve(struct batch *batch, size_t material_count, size_t light_count) {
-    enum { FIXED_PLANES = 12, LIGHT_FLOATS = 7 * 16 };
+    enum { FIXED_PLANES = 13, LIGHT_FLOATS = 7 * 16 };
     if (!batch->memory || material_count > batch->material_capacity) {
         free(batch->memory);
         free(batch->material);
@@ -77,6 +78,7 @@ static void batch_reserve(struct batch *batch, size_t material_count, size_t lig
             batch->opacity[c] = next + 9 * BATCH_SAMPLES;
             next += BATCH_SAMPLES;
         }
+        batch->present = (int32_t *)(void *)(next + 9 * BATCH_SAMPLES);
     }
     if (!batch->light_scratch || light_count > batch->light_capacity) {
         free(batch->light_scratch);
@@ -91,14 +93,47 @@ static void batch_reserve(struct batch *batch, size_t material_count, size_t lig
 /* Copies the batch's samples out of a plane of the region; the last one is repeated up to a whole
  * vector. */
 static void gather(float *restrict out, const float *restrict plane, const uint32_t *restrict order,
-                   size_t count, size_t padded) {
-    if (order[count - 1] - order[0] == count - 1) /* neighbours: ascending within an instance */
+                   size_t count, size_t padded, bool ascends) {
+    if (ascends && order[count - 1] - order[0] == count - 1) /* side by side */
         memcpy(out, plane + order[0], count * sizeof *out);
     else
         for (size_t k = 0; k < count; k++)
             out[k] = plane[order[k]];
     for (size_t k = count; k < padded; k++)
         out[k] = out[count - 1];
+}
+
+/* The samples of an instance whose shader asks about neighbours, arranged in quads: every 2 x 2
+ * samples of the picture of which at least one is the instance's. Regions begin at even columns and
+ * rows, so that no quad lies in two of them. Where the instance has no sample, the quad's first one
+ * stands in, and is_present is 0. */
+struct quads {
+    uint32_t *order;  /* sample of each lane */
+    uint8_t *present; /* of each lane */
+    size_t lane_count;
+};
+
+static void quads_make(const struct shading_node *self, const struct region_grid *grid,
+                       const uint32_t *order, size_t count, struct quads *quads) {
+    const size_t across = (grid->region_width + 1) / 2, down = (grid->region_height + 1) / 2;
+    uint32_t *number = memory_get(across * down, sizeof *number); /* of the quad, plus 1 */
+    quads->order = memory_get(4 * count, sizeof *quads->order);
+    quads->present = memory_get(4 * count, 1);
+    quads->lane_count = 0;
+    for (size_t k = 0; k < count; k++) {
+        const uint32_t at = self->location[order[k]];
+        const uint32_t x = at % grid->region_width, y = at / grid->region_width;
+        uint32_t *quad = &number[y / 2 * across + x / 2];
+        if (!*quad) {
+            *quad = (uint32_t)(quads->lane_count += 4) / 4;
+            for (size_t lane = quads->lane_count - 4; lane < quads->lane_count; lane++)
+                quads->order[lane] = order[k];
+        }
+        const size_t lane = 4 * (size_t)(*quad - 1) + (y & 1) * 2 + (x & 1);
+        quads->order[lane] = order[k];
+        quads->present[lane] = 1;
+    }
+    free(number);
 }
 
 /* Pre-shade (PF section 6.1.5.2): position and incident direction from depth and place on the
@@ -129,17 +164,21 @@ static void rebuild_positions(struct shading_node *self, const struct shading_fr
 
 static int shade_batch(struct shading_node *self, const struct shading_frame *frame,
                        const struct region_view *region, struct prepared_shader *instance,
-                       const uint32_t *order, size_t count, struct colour_draft *draft) {
+                       const uint32_t *order, const uint8_t *present, size_t count,
+                       struct colour_draft *draft) {
     const struct shader_module *module = instance->module;
     struct batch *batch = &self->batch;
     const size_t width = module->width, padded = (count + width - 1) / width * width;
     for (int p = 0; p < module->material_count; p++)
         gather((float *)batch->material[p], region->slots + (size_t)p * region->head.sample_count,
-               order, count, padded);
+               order, count, padded, !present);
+    for (size_t k = 0; present && k < padded; k++)
+        batch->present[k] = k < count && present[k] ? -1 : 0;
     rebuild_positions(self, frame, region, order, count, padded);
     struct shader_call call = {
         .count = count,
         .material = batch->material,
+        .present = batch->present,
         .uniform = instance->uniform,
         .matrices = instance->matrices,
         .lights = instance->lights,
@@ -156,7 +195,8 @@ static int shade_batch(struct shading_node *self, const struct shading_frame *fr
     module->shade(&call);
     for (int c = 0; c < 3; c++)
         for (size_t k = 0; k < count; k++)
-            draft->color[c][order[k]] = batch->color[c][k];
+            if (!present || present[k])
+                draft->color[c][order[k]] = batch->color[c][k];
     return call.overrun;
 }
 
@@ -169,10 +209,19 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
     batch_reserve(&self->batch, (size_t)module->material_count, (size_t)instance->light_count);
     execution_counts_reset(&instance->counts);
     int overrun = 0;
+    struct quads quads = {0};
+    if (module->uses_neighbours) {
+        quads_make(self, &frame->grid, order, count, &quads);
+        order = quads.order;
+        count = quads.lane_count;
+    }
     for (size_t at = 0; at < count; at += BATCH_SAMPLES) {
         const size_t some = count - at < BATCH_SAMPLES ? count - at : BATCH_SAMPLES;
-        overrun |= shade_batch(self, frame, region, instance, order + at, some, draft);
+        overrun |= shade_batch(self, frame, region, instance, order + at,
+                               quads.present ? quads.present + at : NULL, some, draft);
     }
+    free(quads.order);
+    free(quads.present);
     if (overrun && !self->overruns_warned++) {
         char text[256];
         snprintf(text, sizeof text,

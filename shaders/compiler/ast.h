@@ -7,7 +7,7 @@
 /* The syntax tree. The parser fills in structure, check.c the types, symbols and implicit
  * conversions. Everything lives in the compilation's arena. */
 
-/* The first six are those of shader_compile.h. A triple is `(x, y, z)` before its context says
+/* The first seven are those of shader_compile.h. A triple is `(x, y, z)` before its context says
  * whether it is a colour or a point; TYPE_ERROR is the type of what was already complained about.
  */
 enum ast_type {
@@ -17,7 +17,7 @@ enum ast_type {
     TYPE_VECTOR = SHADER_VECTOR,
     TYPE_NORMAL = SHADER_NORMAL,
     TYPE_STRING = SHADER_STRING,
-    TYPE_MATRIX, /* variables only: not a parameter of a shader, not in arrays */
+    TYPE_MATRIX = SHADER_MATRIX,
     TYPE_TRIPLE,
     TYPE_BOOL,
     TYPE_VOID,
@@ -102,7 +102,8 @@ enum ast_statement_kind {
     STATEMENT_FUNCTION,   /* a nested function: nothing to run */
     STATEMENT_BLOCK,      /* body: list; is_scope false for `float a, b;` */
     STATEMENT_IF,         /* expression, body, otherwise */
-    STATEMENT_FOR,      /* initial; expression; step: body. `while` has neither initial nor step. */
+    STATEMENT_FOR,      /* initial; expression; step: body. initial and step are lists through next;
+                           `while` has neither. */
     STATEMENT_BREAK,    /* level */
     STATEMENT_CONTINUE, /* level */
     STATEMENT_RETURN,   /* expression or NULL */
@@ -141,6 +142,7 @@ struct ast_function {
     int formal_count;
     struct ast_statement *body; /* list */
     bool is_shader, is_prelude;
+    bool is_prototype;  /* announced only; in no list */
     bool returns_early; /* has a return other than as its last statement */
     bool has_outputs;   /* writes to variables of its caller */
     bool is_being_lowered;

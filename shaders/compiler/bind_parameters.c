@@ -13,6 +13,8 @@ static void mark_parameter(struct ir_node *node, void *context) {
         return;
     if (node->parameter)
         node->parameter->is_live = true;
+    if (node->operation == IR_DIFFERENCE_X || node->operation == IR_DIFFERENCE_Y)
+        ir->uses_neighbours = true;
     if (node->operation == IR_AMBIENT)
         ir->uses_ambient = true;
     if (node->operation != IR_FROM_CAMERA && node->operation != IR_TO_CAMERA)
@@ -25,7 +27,7 @@ static void mark_parameter(struct ir_node *node, void *context) {
 
 void pass_bind_parameters(struct ir_program *ir) {
     struct shader_program *program = ir->c->program;
-    ir->uses_illuminance = ir->uses_ambient = false;
+    ir->uses_illuminance = ir->uses_ambient = ir->uses_neighbours = false;
     ir->spaces = 0;
     ir_each_node(ir->top, mark_parameter, ir);
     for (int i = 0; i < program->parameter_count; i++) {

@@ -10,46 +10,58 @@ const struct builtin builtins[BUILTIN_COUNT] = {
 };
 
 const struct ast_global globals[] = {
-    {"N", TYPE_NORMAL, GLOBAL_MATERIAL, GLOBAL_AXIS},
-    {"Ng", TYPE_NORMAL, GLOBAL_MATERIAL, GLOBAL_AXIS},
-    {"s", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
-    {"t", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
-    {"u", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
-    {"v", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO},
-    {"dPdu", TYPE_VECTOR, GLOBAL_MATERIAL, GLOBAL_ZERO},
-    {"dPdv", TYPE_VECTOR, GLOBAL_MATERIAL, GLOBAL_ZERO},
-    {"Cs", TYPE_COLOR, GLOBAL_BOUND, GLOBAL_ABSENT},
-    {"Os", TYPE_COLOR, GLOBAL_BOUND, GLOBAL_ABSENT},
-    {"P", TYPE_POINT, GLOBAL_POSITION, GLOBAL_ORIGIN},
-    {"Ps", TYPE_POINT, GLOBAL_POSITION, GLOBAL_POSITION},
-    {"I", TYPE_VECTOR, GLOBAL_INCIDENT, GLOBAL_ABSENT},
-    {"E", TYPE_POINT, GLOBAL_ZERO, GLOBAL_ZERO},
-    {"L", TYPE_VECTOR, GLOBAL_LIGHT, GLOBAL_RESULT},
-    {"Cl", TYPE_COLOR, GLOBAL_LIGHT, GLOBAL_RESULT},
-    {"Ol", TYPE_COLOR, GLOBAL_ONE, GLOBAL_ONE},
-    {"Ci", TYPE_COLOR, GLOBAL_RESULT, GLOBAL_ABSENT},
-    {"Oi", TYPE_COLOR, GLOBAL_RESULT, GLOBAL_ABSENT},
-    {"du", TYPE_FLOAT, GLOBAL_ABSENT_DERIVATIVE, GLOBAL_ZERO},
-    {"dv", TYPE_FLOAT, GLOBAL_ABSENT_DERIVATIVE, GLOBAL_ZERO},
-    {"time", TYPE_FLOAT, GLOBAL_ZERO, GLOBAL_ZERO},
-    {"PI", TYPE_FLOAT, GLOBAL_PI, GLOBAL_PI},
-    {"ncomps", TYPE_FLOAT, GLOBAL_THREE, GLOBAL_THREE},
+    {"N", TYPE_NORMAL, GLOBAL_MATERIAL, GLOBAL_AXIS, GLOBAL_ABSENT},
+    {"Ng", TYPE_NORMAL, GLOBAL_MATERIAL, GLOBAL_AXIS, GLOBAL_ABSENT},
+    {"s", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"t", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"u", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"v", TYPE_FLOAT, GLOBAL_MATERIAL, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"dPdu", TYPE_VECTOR, GLOBAL_MATERIAL, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"dPdv", TYPE_VECTOR, GLOBAL_MATERIAL, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"Cs", TYPE_COLOR, GLOBAL_BOUND, GLOBAL_ABSENT, GLOBAL_ABSENT},
+    {"Os", TYPE_COLOR, GLOBAL_BOUND, GLOBAL_ABSENT, GLOBAL_ABSENT},
+    {"P", TYPE_POINT, GLOBAL_POSITION, GLOBAL_ORIGIN, GLOBAL_POSITION},
+    {"Ps", TYPE_POINT, GLOBAL_POSITION, GLOBAL_POSITION, GLOBAL_ABSENT},
+    {"I", TYPE_VECTOR, GLOBAL_INCIDENT, GLOBAL_ABSENT, GLOBAL_ABSENT},
+    {"E", TYPE_POINT, GLOBAL_ZERO, GLOBAL_ZERO, GLOBAL_ZERO},
+    {"L", TYPE_VECTOR, GLOBAL_LIGHT, GLOBAL_RESULT, GLOBAL_ABSENT},
+    {"Cl", TYPE_COLOR, GLOBAL_LIGHT, GLOBAL_RESULT, GLOBAL_ABSENT},
+    {"Ol", TYPE_COLOR, GLOBAL_ONE, GLOBAL_ONE, GLOBAL_ABSENT},
+    {"Ci", TYPE_COLOR, GLOBAL_RESULT, GLOBAL_ABSENT, GLOBAL_RESULT},
+    {"Oi", TYPE_COLOR, GLOBAL_RESULT, GLOBAL_ABSENT, GLOBAL_RESULT},
+    {"alpha", TYPE_FLOAT, GLOBAL_ABSENT, GLOBAL_ABSENT, GLOBAL_RESULT},
+    {"du", TYPE_FLOAT, GLOBAL_STEP, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"dv", TYPE_FLOAT, GLOBAL_STEP, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"time", TYPE_FLOAT, GLOBAL_ZERO, GLOBAL_ZERO, GLOBAL_ZERO},
+    {"dtime", TYPE_FLOAT, GLOBAL_ZERO, GLOBAL_ZERO, GLOBAL_ZERO},
+    {"dPdtime", TYPE_VECTOR, GLOBAL_ZERO, GLOBAL_ZERO, GLOBAL_ABSENT},
+    {"PI", TYPE_FLOAT, GLOBAL_PI, GLOBAL_PI, GLOBAL_PI},
+    {"ncomps", TYPE_FLOAT, GLOBAL_THREE, GLOBAL_THREE, GLOBAL_THREE},
 };
 const int global_count = sizeof globals / sizeof *globals;
 
-static const struct {
-    const char *name, *reason;
-} missing[] = {
-    {"filterwidth", "it needs derivatives"},
-    {"filterwidthp", "it needs derivatives"},
-    {"filterstep", "it needs derivatives"},
-    {"area", "it needs derivatives"},
-    {"Du", "it needs derivatives"},
-    {"Dv", "it needs derivatives"},
-    {"Deriv", "it needs derivatives"},
-    {"calculatenormal", "it needs derivatives"},
-    {"depth", "not there yet"},
-};
+enum global_source global_source_in(const struct ast_global *global, enum shader_kind kind) {
+    enum global_source source = global->surface;
+    if (kind == SHADER_KIND_LIGHT)
+        return global->light;
+    if (kind == SHADER_KIND_IMAGER)
+        return global->imager;
+    bool is_of_light = source == GLOBAL_RESULT || source == GLOBAL_LIGHT;
+    return kind == SHADER_KIND_DISPLACEMENT && is_of_light ? GLOBAL_ABSENT : source;
+}
+
+const char *builtin_refusal(enum builtin_id id) {
+    switch (id) {
+    case BUILTIN_BAKE:
+    case BUILTIN_BAKE3D:
+    case BUILTIN_TEXTURE3D:
+        return "shaders cannot write files, nor read what they wrote";
+    default:
+        return id >= BUILTIN_GATHER && id <= BUILTIN_RAYTRACE
+                   ? "it needs ray tracing, and samples are shaded after all other geometry is gone"
+                   : NULL;
+    }
+}
 
 const char *builtin_neutral(enum builtin_id id, float *value) {
     *value = 0;
@@ -95,17 +107,6 @@ const struct builtin *builtin_find(const char *name) {
         if (!strcmp(builtins[i].name, name))
             return &builtins[i];
     return NULL;
-}
-
-const char *builtin_missing(const char *name) {
-    for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
-        if (!strcmp(missing[i].name, name))
-            return missing[i].reason;
-    return NULL;
-}
-
-const char *builtin_missing_at(int i) {
-    return (size_t)i < sizeof missing / sizeof *missing ? missing[i].name : NULL;
 }
 
 const struct ast_global *global_find(const char *name) {
@@ -217,8 +218,6 @@ bool builtin_resolve(const struct builtin *builtin, const enum ast_type *argumen
 
 const char *ast_type_name(enum ast_type type) {
     switch (type) {
-    case TYPE_MATRIX:
-        return "matrix";
     case TYPE_TRIPLE:
         return "(x, y, z)";
     case TYPE_BOOL:

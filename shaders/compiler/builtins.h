@@ -59,6 +59,14 @@
     X(NTRANSFORM, "ntransform", "n:sn n:ssn n:mn")                                                 \
     X(CTRANSFORM, "ctransform", "c:sc c:ssc")                                                      \
     X(AMBIENT, "ambient", "c:")                                                                    \
+    X(DU, "Du", "f:f c:c v:p v:v v:n")                                                             \
+    X(DV, "Dv", "f:f c:c v:p v:v v:n")                                                             \
+    X(DERIV, "Deriv", "f:ff c:cf v:pf v:vf v:nf")                                                  \
+    X(AREA, "area", "f:p f:ps")                                                                    \
+    X(CALCULATENORMAL, "calculatenormal", "n:p")                                                   \
+    X(FILTERWIDTH, "filterwidth", "f:f")                                                           \
+    X(FILTERWIDTHP, "filterwidthp", "f:p")                                                         \
+    X(FILTERSTEP, "filterstep", "f:ff f:fff f:ffs.* f:fffs.*")                                     \
     X(DETERMINANT, "determinant", "f:m")                                                           \
     X(TRANSLATE, "translate", "m:mv")                                                              \
     X(ROTATE, "rotate", "m:mfv") /* the other rotate is in the prelude */                          \
@@ -74,7 +82,26 @@
     X(SHADOW, "shadow", "f:s.* c:s.*")                                                             \
     X(BUMP, "bump", "p:s.*")                                                                       \
     X(TEXTUREINFO, "textureinfo", "f:ss&.")                                                        \
-    X(TRACE, "trace", "c:pv f:pv")                                                                 \
+    X(TRACE, "trace", "c:pv.* f:pv.*")                                                             \
+    X(GATHER, "gather", "0:.*")                                                                    \
+    X(OCCLUSION, "occlusion", "f:.*")                                                              \
+    X(INDIRECTDIFFUSE, "indirectdiffuse", "c:.*")                                                  \
+    X(INDIRECT, "indirect", "c:.*")                                                                \
+    X(TRANSMISSION, "transmission", "c:.* f:.*")                                                   \
+    X(VISIBILITY, "visibility", "c:.* f:.*")                                                       \
+    X(SUBSURFACE, "subsurface", "c:.*")                                                            \
+    X(PHOTONMAP, "photonmap", "c:.*")                                                              \
+    X(CAUSTIC, "caustic", "c:.*")                                                                  \
+    X(RAYINFO, "rayinfo", "f:.*")                                                                  \
+    X(RAYDEPTH, "raydepth", "f:.*")                                                                \
+    X(RAYLEVEL, "raylevel", "f:.*")                                                                \
+    X(RAYLABEL, "raylabel", "s:.*")                                                                \
+    X(ISSHADOWRAY, "isshadowray", "f:.*")                                                          \
+    X(ISINDIRECTRAY, "isindirectray", "f:.*")                                                      \
+    X(RAYTRACE, "raytrace", "f:.*")                                                                \
+    X(BAKE, "bake", "0:.* f:.*")                                                                   \
+    X(BAKE3D, "bake3d", "f:.*")                                                                    \
+    X(TEXTURE3D, "texture3d", "f:.*")                                                              \
     X(LIGHTSOURCE, "lightsource", "f:s&.")                                                         \
     X(SURFACE, "surface", "f:s&.")                                                                 \
     X(DISPLACEMENT, "displacement", "f:s&.")                                                       \
@@ -106,10 +133,9 @@ extern const struct builtin builtins[BUILTIN_COUNT];
 const char *builtin_neutral(enum builtin_id id, float *value);
 
 const struct builtin *builtin_find(const char *name);
-/* A function of the language that this compiler leaves out: the reason to give, else NULL. */
-const char *builtin_missing(const char *name);
-/* The name of the i-th of these, NULL after the last. */
-const char *builtin_missing_at(int i);
+/* A function of the language that this machine cannot carry out: the reason to give where code that
+ * runs calls it, else NULL. */
+const char *builtin_refusal(enum builtin_id id);
 /* Chooses an overload for arguments of these types; `wanted` is the result type the context would
  * like (TYPE_ERROR: none). Returns false when none fits. parameters[i] is the type argument i is to
  * be converted to, TYPE_TRIPLE: leave it; *written_mask has a bit per argument that is written to.
@@ -137,18 +163,22 @@ enum global_source {
     GLOBAL_AXIS,   /* the z axis of shader space */
     GLOBAL_RESULT, /* starts at zero, what the shader is for */
     GLOBAL_LIGHT,  /* set inside illuminance */
-    GLOBAL_ABSENT_DERIVATIVE,
+    GLOBAL_STEP,   /* how far u or v goes between neighbouring samples */
 };
 
 struct ast_global {
     const char *name;
     enum ast_type type;
-    enum global_source surface, light;
+    enum global_source surface, light, imager;
 };
+/* Displacement and volume shaders have what surface shaders have, displacement shaders without
+ * results and lights. */
+enum global_source global_source_in(const struct ast_global *global, enum shader_kind kind);
 
 /* In the order in which they follow the parameters in the transfer map. */
 extern const struct ast_global globals[];
 extern const int global_count;
+enum { GLOBALS_MAX = 64 };
 const struct ast_global *global_find(const char *name);
 
 #endif

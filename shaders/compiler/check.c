@@ -43,10 +43,19 @@ void scope_add_symbol(struct checker *k, struct ast_symbol *symbol) {
     add(k, symbol->name)->symbol = symbol;
 }
 
+static bool same_formals(const struct ast_function *a, const struct ast_function *b) {
+    const struct ast_symbol *x = a->formals, *y = b->formals;
+    for (; x && y; x = x->next, y = y->next)
+        if (x->type != y->type || !x->array_length != !y->array_length)
+            return false;
+    return !x && !y;
+}
+
 void scope_add_function(struct checker *k, struct ast_function *function) {
     for (struct scope_entry *e = k->buckets[bucket_of(function->name)]; e && e->level == k->level;
          e = e->below)
-        if (e->function && !strcmp(e->name, function->name) && !e->function->is_prelude) {
+        if (e->function && !strcmp(e->name, function->name) && !e->function->is_prelude &&
+            same_formals(e->function, function)) {
             compile_error(k->c, &function->at,
                           "function '%.64s' is defined twice; the first time in line %d",
                           function->name, e->function->at.line);
@@ -62,7 +71,7 @@ struct ast_symbol *scope_find_symbol(struct checker *k, const char *name) {
     const struct ast_global *global = global_find(name);
     if (!global)
         return NULL;
-    if ((k->kind == SHADER_KIND_SURFACE ? global->surface : global->light) == GLOBAL_ABSENT)
+    if (global_source_in(global, k->kind) == GLOBAL_ABSENT)
         return NULL;
     struct ast_symbol **slot = &k->global_symbols[global - globals];
     if (!*slot) {
@@ -74,10 +83,12 @@ struct ast_symbol *scope_find_symbol(struct checker *k, const char *name) {
     return *slot;
 }
 
-struct ast_function *scope_find_function(struct checker *k, const char *name) {
-    for (struct scope_entry *e = k->buckets[bucket_of(name)]; e; e = e->below)
+struct scope_entry *scope_find_function(struct checker *k, const char *name,
+                                        struct scope_entry *after) {
+    for (struct scope_entry *e = after ? after->below : k->buckets[bucket_of(name)];
+         e && (!after || e->level == after->level); e = e->below)
         if (e->function && !strcmp(e->name, name))
-            return e->function;
+            return e;
     return NULL;
 }
 
@@ -107,16 +118,10 @@ static void check_declaration(struct checker *k, struct ast_symbol *symbol) {
         compile_error(k->c, &symbol->at, "array '%.64s' needs a length", symbol->name);
         symbol->array_length = 1;
     }
-    if (symbol->type == TYPE_MATRIX && (symbol->array_length || symbol->is_parameter))
-        compile_error(k->c, &symbol->at,
-                      symbol->array_length ? "arrays of matrices are not supported"
-                                           : "a matrix cannot be a parameter of a shader");
     if (symbol->type == TYPE_STRING && symbol->storage == STORAGE_VARYING)
         compile_error(k->c, &symbol->at, "strings are uniform");
-    if (symbol->array_length && symbol->type == TYPE_STRING && !symbol->is_formal)
-        compile_error(k->c, &symbol->at, "arrays of strings are not supported");
-    if (symbol->array_length > 0 &&
-        symbol->array_length * ast_type_width(symbol->type) > ARRAY_FLOATS_MAX)
+    int width = symbol->type == TYPE_MATRIX ? 16 : ast_type_width(symbol->type);
+    if (symbol->array_length > 0 && symbol->array_length * width > ARRAY_FLOATS_MAX)
         compile_limit(k->c, &symbol->at, "an array holds at most %d floats", ARRAY_FLOATS_MAX);
     if (symbol->initial && !symbol->array_length)
         symbol->initial = check_as(k, symbol->initial, symbol->type);
@@ -127,13 +132,19 @@ static void check_declaration(struct checker *k, struct ast_symbol *symbol) {
     }
 }
 
+static void check_each(struct checker *k, struct ast_expression **list) {
+    for (struct ast_expression **e = list; *e; e = &(*e)->next) {
+        struct ast_expression *next = (*e)->next;
+        *e = check_expression(k, *e, TYPE_ERROR);
+        (*e)->next = next;
+    }
+}
+
 static void check_loop(struct checker *k, struct ast_statement *s) {
-    if (s->initial)
-        s->initial = check_expression(k, s->initial, TYPE_ERROR);
+    check_each(k, &s->initial);
     if (s->expression)
         s->expression = check_as(k, s->expression, TYPE_BOOL);
-    if (s->step)
-        s->step = check_expression(k, s->step, TYPE_ERROR);
+    check_each(k, &s->step);
     k->loop_level++;
     check_scoped(k, s->body, s);
     k->loop_level--;
@@ -141,22 +152,23 @@ static void check_loop(struct checker *k, struct ast_statement *s) {
         s->exit_level--;
 }
 
+/* Displacement shaders run before all light, imagers after all surfaces. */
+static bool can_ask_lights(enum shader_kind kind, bool is_illuminance) {
+    return !is_illuminance || kind == SHADER_KIND_SURFACE || kind == SHADER_KIND_VOLUME;
+}
+
 /* Arguments of illuminance ([category,] position [, axis, angle]), illuminate (from [, axis,
  * angle]) and solar
  * ([axis, angle]). */
 static void check_lighting(struct checker *k, struct ast_statement *s) {
-    bool is_surface = k->kind == SHADER_KIND_SURFACE;
+    bool is_surface = k->kind != SHADER_KIND_LIGHT;
     const char *name = s->kind == STATEMENT_ILLUMINANCE  ? "illuminance"
                        : s->kind == STATEMENT_ILLUMINATE ? "illuminate"
                                                          : "solar";
-    if (is_surface != (s->kind == STATEMENT_ILLUMINANCE))
+    if (is_surface != (s->kind == STATEMENT_ILLUMINANCE) || !can_ask_lights(k->kind, is_surface))
         compile_error(k->c, &s->at, "%s belongs into a %s shader", name,
-                      is_surface ? "light" : "surface");
-    for (struct ast_expression **a = &s->arguments; *a; a = &(*a)->next) {
-        struct ast_expression *next = (*a)->next;
-        *a = check_expression(k, *a, TYPE_ERROR);
-        (*a)->next = next;
-    }
+                      is_surface && s->kind != STATEMENT_ILLUMINANCE ? "light" : "surface");
+    check_each(k, &s->arguments);
     if (s->kind == STATEMENT_ILLUMINANCE && s->arguments && s->arguments->type == TYPE_STRING) {
         compile_warning(k->c, &s->arguments->at,
                         "light categories are ignored; every light matches");

@@ -27,7 +27,7 @@ struct checker {
     int loop_level;                /* loops around the statement, inside the function */
     int illuminance_level;
     bool in_default; /* a parameter's default value */
-    struct ast_symbol *global_symbols[64];
+    struct ast_symbol *global_symbols[GLOBALS_MAX];
 };
 
 void scope_enter(struct checker *k);
@@ -36,7 +36,10 @@ void scope_add_symbol(struct checker *k, struct ast_symbol *symbol);
 void scope_add_function(struct checker *k, struct ast_function *function);
 /* The innermost variable or predefined variable of this name, else NULL. */
 struct ast_symbol *scope_find_symbol(struct checker *k, const char *name);
-struct ast_function *scope_find_function(struct checker *k, const char *name);
+/* The entry of the innermost function of this name; with `after`, the next of the same scope, which
+ * takes other arguments. NULL: none. */
+struct scope_entry *scope_find_function(struct checker *k, const char *name,
+                                        struct scope_entry *after);
 
 /* Gives the expression and all in it types and symbols. `wanted`: the type the context would like,
  * TYPE_ERROR for none. Returns what takes the expression's place. */

@@ -12,12 +12,8 @@ static struct ast_expression *fail(struct ast_expression *e) {
 }
 
 static void complain_unknown(struct checker *k, const struct ast_expression *e) {
-    const char *best = NULL, *reason = builtin_missing(e->name);
+    const char *best = NULL;
     int distance = 0;
-    if (reason) {
-        compile_error(k->c, &e->at, "%.64s() is not supported: %s", e->name, reason);
-        return;
-    }
     for (struct scope_entry *entry = k->newest; entry; entry = entry->previous)
         if (entry->function)
             suggestion_consider(e->name, entry->name, &best, &distance);
@@ -211,19 +207,48 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     return e;
 }
 
-static struct ast_function *prelude_overload(struct checker *k, struct ast_function *function,
-                                             int count) {
-    for (struct ast_function *f = k->prelude; f; f = f->next)
-        if (f->formal_count == count && !strcmp(f->name, function->name))
-            return f;
-    return function;
+/* What calling this one would cost in conversions, negative: it cannot be called so. */
+static int call_cost(const struct ast_function *function, const struct ast_expression *e) {
+    const struct ast_expression *a = e->arguments;
+    int sum = 0;
+    if (function->formal_count != e->argument_count)
+        return -1;
+    for (const struct ast_symbol *f = function->formals; f; f = f->next, a = a->next) {
+        int cost = ast_conversion_cost(a->type, f->type);
+        if (cost < 0 || !f->array_length != !a->array_length)
+            return -1;
+        sum += cost;
+    }
+    return sum;
+}
+
+/* Of functions of one name in one scope the one that fits the arguments best; the last defined when
+ * none does. Arguments are checked here only when there is a choice. */
+static struct ast_function *choose_overload(struct checker *k, struct ast_expression *e,
+                                            struct scope_entry *entry) {
+    struct ast_function *best = entry->function;
+    int best_cost = -1;
+    if (!scope_find_function(k, e->name, entry))
+        return best;
+    for (struct ast_expression **a = &e->arguments; *a; a = &(*a)->next) {
+        struct ast_expression *next = (*a)->next;
+        *a = check_expression(k, *a, TYPE_ERROR);
+        (*a)->next = next;
+    }
+    for (; entry; entry = scope_find_function(k, e->name, entry)) {
+        int cost = call_cost(entry->function, e);
+        if (cost >= 0 && (best_cost < 0 || cost < best_cost)) {
+            best = entry->function;
+            best_cost = cost;
+        }
+    }
+    return best;
 }
 
 struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
                                   enum ast_type wanted) {
-    struct ast_function *function = scope_find_function(k, e->name);
-    if (function && function->is_prelude) /* these may differ in how many arguments they take */
-        function = prelude_overload(k, function, e->argument_count);
+    struct scope_entry *entry = scope_find_function(k, e->name, NULL);
+    struct ast_function *function = entry ? choose_overload(k, e, entry) : NULL;
     const struct builtin *builtin = builtin_find(e->name);
     if (function &&
         (!function->is_prelude || !builtin || function->formal_count == e->argument_count))

@@ -49,7 +49,10 @@ static struct ast_expression *check_name(struct checker *k, struct ast_expressio
                 suggestion_consider(e->name, entry->name, &best, &distance);
         for (int i = 0; i < global_count; i++)
             suggestion_consider(e->name, globals[i].name, &best, &distance);
-        if (best)
+        if (global_find(e->name))
+            compile_error(k->c, &e->at, "%s has no value in %s shaders", e->name,
+                          shader_kind_name(k->kind));
+        else if (best)
             compile_error(k->c, &e->at, "'%.64s' is not declared; did you mean '%.64s'?", e->name,
                           best);
         else
@@ -58,10 +61,6 @@ static struct ast_expression *check_name(struct checker *k, struct ast_expressio
     }
     e->type = e->symbol->type;
     e->array_length = e->symbol->array_length;
-    if (e->symbol->global && k->kind == SHADER_KIND_SURFACE &&
-        e->symbol->global->surface == GLOBAL_ABSENT_DERIVATIVE)
-        compile_warning(k->c, &e->at,
-                        "%s is always 0: there are no parametric steps between samples", e->name);
     return e;
 }
 
@@ -243,15 +242,33 @@ void check_written(struct checker *k, struct ast_expression *target) {
         compile_error(k->c, &target->at, "only a variable can be assigned to");
         return;
     }
-    if (symbol->is_parameter && !symbol->is_output)
-        compile_error(k->c, &target->at,
-                      "'%.64s' is a parameter of the shader and cannot be changed", symbol->name);
-    if (symbol->global && k->kind == SHADER_KIND_SURFACE && symbol->global->surface == GLOBAL_LIGHT)
+    if (symbol->is_parameter && !symbol->is_output && !symbol->is_assigned)
+        compile_warning(k->c, &target->at,
+                        "'%.64s' is a parameter of the shader and not declared output: only this "
+                        "shader sees the change",
+                        symbol->name);
+    if (symbol->global && global_source_in(symbol->global, k->kind) == GLOBAL_LIGHT)
         compile_error(k->c, &target->at, "%s is set by the lights and cannot be changed here",
                       symbol->name);
     symbol->is_assigned = true;
     if (k->function && (symbol->global || k->function->is_shader == false))
         k->function->has_outputs |= symbol->global || symbol->is_output;
+}
+
+/* array = array of the same type and length */
+static struct ast_expression *check_array_assign(struct checker *k, struct ast_expression *e) {
+    e->right = check_expression(k, e->right, e->left->type);
+    if (e->right->type == TYPE_ERROR)
+        return fail(e);
+    if (e->token || e->right->kind != EXPRESSION_NAME || e->right->type != e->left->type ||
+        e->right->array_length != e->left->array_length) {
+        compile_error(k->c, &e->at,
+                      "an array is assigned element by element, or from one of the same type and "
+                      "length");
+        return fail(e);
+    }
+    e->type = TYPE_VOID;
+    return e;
 }
 
 static struct ast_expression *check_assign(struct checker *k, struct ast_expression *e) {
@@ -261,10 +278,8 @@ static struct ast_expression *check_assign(struct checker *k, struct ast_express
         check_expression(k, e->right, TYPE_ERROR);
         return fail(e);
     }
-    if (e->left->array_length) {
-        compile_error(k->c, &e->at, "arrays are only assigned element by element");
-        return fail(e);
-    }
+    if (e->left->array_length)
+        return check_array_assign(k, e);
     e->type = e->left->type;
     if (!e->token) {
         e->right = check_as(k, e->right, e->type);

@@ -85,6 +85,46 @@ static const char *const support[] = {
     "        counters->report_trips(counters, block, key, trips);\n}\n\n",
 };
 
+/* Only where a shader asks how a value changes between samples. Lanes 4q to 4q + 3 are a quad:
+ * (0, 0), (1, 0), (0, 1), (1, 1). A sample without a neighbour in its own row takes the change in
+ * the other row. */
+static const char *const neighbours[] = {
+    "SHADER_HELPER vi shader_lanes(void) {\n"
+    "    vi lanes = {0};\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        lanes[i] = i;\n"
+    "    return lanes;\n}\n\n",
+    "SHADER_HELPER vf shader_swap(vf x, int bit) {\n"
+    "#ifdef __clang__\n"
+    "    vf result = {0};\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        result[i] = x[i ^ bit];\n"
+    "    return result;\n"
+    "#else\n"
+    "    return __builtin_shuffle(x, shader_lanes() ^ bit);\n"
+    "#endif\n}\n\n",
+    "SHADER_HELPER vi shader_swap_mask(vi x, int bit) {\n"
+    "    vf as_floats;\n"
+    "    __builtin_memcpy(&as_floats, &x, sizeof x);\n"
+    "    as_floats = shader_swap(as_floats, bit);\n"
+    "    __builtin_memcpy(&x, &as_floats, sizeof x);\n"
+    "    return x;\n}\n\n",
+    "SHADER_HELPER vf shader_difference(vf x, vi present, int bit) {\n"
+    "    const vi is_second = (shader_lanes() & bit) != 0;\n"
+    "    const vf other = shader_swap(x, bit);\n"
+    "    const vi both = present & shader_swap_mask(present, bit);\n"
+    "    const vf own = vf_select(is_second, x, other) - vf_select(is_second, other, x);\n"
+    "    const vf across = shader_swap(own, bit ^ 3);\n"
+    "    const vi both_across = shader_swap_mask(both, bit ^ 3);\n"
+    "    return vf_select(both, own, vf_select(both_across, across, vf_set(0.0f)));\n}\n\n",
+    "SHADER_HELPER vf shader_difference_x(vf x, vi present) {\n"
+    "    return shader_difference(x, present, 1);\n}\n\n",
+    "SHADER_HELPER vf shader_difference_y(vf x, vi present) {\n"
+    "    return shader_difference(x, present, 2);\n}\n\n",
+    "SHADER_HELPER float shader_no_difference(float x) {\n"
+    "    (void)x;\n    return 0.0f;\n}\n\n",
+};
+
 /* The uniform block holds floats; strings keep their bits, conditions become 0 and 1. */
 static void emit_slot_store(struct emitter *e, const struct ir_variable *v) {
     if (v->array_length)
@@ -192,14 +232,21 @@ static void emit_shade(struct emitter *e) {
     emit_line(e, "const struct shader_matrices *matrices SHADER_UNUSED = call->matrices;");
     emit_variables(e);
     emit_line(e, "const uint64_t k%d SHADER_UNUSED = 0;", e->key);
+    if (e->ir->uses_neighbours)
+        emit_line(e, "const vi present = shader_load_mask((const float *)(call->present + at));");
     if (e->ir->uses_ambient || e->ir->uses_illuminance)
         emit_run_lights(e);
     emit_list(e, e->ir->top);
     for (int i = 0; i < 3; i++)
         emit_line(e, "vf_store(call->color[%d] + at, vf_canonical(v%d));", i, e->ir->color[i]->id);
-    emit_line(e, "for (int c = 0; c < 3; c++)");
-    emit_line(e, "    if (call->opacity[c])");
-    emit_line(e, "        vf_store(call->opacity[c] + at, vf_set(1.0f));");
+    for (int i = 0; i < 3; i++) {
+        emit_line(e, "if (call->opacity[%d])", i);
+        if (e->ir->kind == SHADER_KIND_DISPLACEMENT)
+            emit_line(e, "    vf_store(call->opacity[%d] + at, vf_canonical(v%d));", i,
+                      e->ir->direction[i]->id);
+        else
+            emit_line(e, "    vf_store(call->opacity[%d] + at, vf_set(1.0f));", i);
+    }
     emit_text(e, "}\n\nstatic void shader_shade(struct shader_call *call) {\n"
                  "    for (size_t at = 0; at < call->count; at += SHADER_WIDTH)\n"
                  "        shade_vector(call, at);\n}\n\n");
@@ -256,16 +303,23 @@ static void emit_module(struct emitter *e) {
               e->ir->spaces);
     emit_text(e, "    .block_count = %d,\n    .blocks = shader_blocks,\n", e->ir->block_count);
     emit_text(e, "    .uses_lights = %d,\n", e->ir->uses_ambient || e->ir->uses_illuminance);
+    emit_text(e, "    .uses_neighbours = %d,\n", e->ir->uses_neighbours);
     emit_text(e, "    .prepare = shader_prepare,\n");
     emit_text(e, is_light ? "    .light = shader_light_run,\n" : "    .shade = shader_shade,\n");
     emit_text(e, "};\n");
 }
 
+static void emit_support(struct emitter *e, const char *const *texts, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        for (const char *text = texts[i]; *text; text += strlen(text) < 200 ? strlen(text) : 200)
+            emit_text(e, "%.200s", text);
+}
+
 void pass_emit(struct ir_program *ir) {
     struct emitter emitter = {.c = ir->c, .ir = ir}, *e = &emitter;
-    for (size_t i = 0; i < sizeof support / sizeof *support; i++)
-        for (const char *text = support[i]; *text; text += strlen(text) < 200 ? strlen(text) : 200)
-            emit_text(e, "%.200s", text);
+    emit_support(e, support, sizeof support / sizeof *support);
+    if (ir->uses_neighbours)
+        emit_support(e, neighbours, sizeof neighbours / sizeof *neighbours);
     emit_prepare(e);
     e->mask = e->loop_mask = -1;
     if (ir->kind == SHADER_KIND_LIGHT)

@@ -149,7 +149,9 @@ int ir_results(const struct ir_program *ir, struct ir_variable *results[IR_RESUL
     int count = 0;
     for (int i = 0; i < 3; i++)
         results[count++] = ir->color[i];
-    for (int i = 0; i < 3 && ir->kind == SHADER_KIND_LIGHT && !ir->is_ambient; i++)
+    bool has_direction =
+        (ir->kind == SHADER_KIND_LIGHT && !ir->is_ambient) || ir->kind == SHADER_KIND_DISPLACEMENT;
+    for (int i = 0; i < 3 && has_direction; i++)
         results[count++] = ir->direction[i];
     if (ir->kind == SHADER_KIND_LIGHT)
         results[count++] = ir->lit;

@@ -117,10 +117,12 @@ struct ir_program {
     int instruction_count;
     int control_depth;
     int array_floats;
-    struct ir_variable *color[3];           /* Ci, or Cl of a light */
-    struct ir_variable *direction[3], *lit; /* of a light */
-    bool is_ambient;                        /* a light without illuminate and solar */
+    struct ir_variable *color[3];     /* Ci; Cl of a light; P of a displacement by itself */
+    struct ir_variable *direction[3]; /* L of a light; N of a displacement by itself */
+    struct ir_variable *lit;          /* of a light */
+    bool is_ambient;                  /* a light without illuminate and solar */
     bool uses_illuminance, uses_ambient;
+    bool uses_neighbours; /* differences between samples */
     uint32_t spaces;
     int uniform_count;     /* floats of the uniform block */
     bool has_prepare_loop; /* slot 0 holds the overrun flag of prepare */
@@ -129,7 +131,7 @@ struct ir_program {
     int block_count, block_capacity;
 };
 
-/* The results of the shader: Ci; or L, Cl and lit. */
+/* The results of the program: Ci; or L, Cl and lit; or P and N. */
 enum { IR_RESULTS_MAX = 7 };
 int ir_results(const struct ir_program *ir, struct ir_variable *results[IR_RESULTS_MAX]);
 
@@ -183,9 +185,15 @@ void ir_each_read(struct ir_node *node, ir_visit_variable *visit, void *context)
 void ir_each_write(struct ir_node *node, ir_visit_variable *visit, void *context);
 
 /* The passes, in order. Each reports what the user did wrong to ir->c and leaves valid IR. */
-/* lower.c; `symbols` are the predefined variables in use, by their number in `globals` */
-struct ir_program *lower_unit(struct compilation *c, struct ast_unit *unit,
-                              struct ast_unit *prelude, struct ast_symbol **symbols);
+/* lower.c: a program of shaders that run one after the other on the same samples. `symbols` are the
+ * predefined variables in use, by their number in `globals`. */
+struct checked_unit {
+    struct ast_unit *unit, *prelude;
+    struct ast_symbol **symbols;
+};
+/* The kind of the program is that of `units[main]`. */
+struct ir_program *lower_units(struct compilation *c, const struct checked_unit *units, int count,
+                               int main);
 void pass_propagate_copies(
     struct ir_program *ir);                   /* propagate_copies.c: `x = a; y = x` is `y = a` */
 void pass_merge_moves(struct ir_program *ir); /* merge_moves.c: `t = a + b; x = t` is `x = a + b` */

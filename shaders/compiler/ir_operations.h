@@ -58,6 +58,12 @@
     X(CELLNOISE_3, "3ffff", FLOAT_NOISE, "sf_cellnoise_3($0, $1, $2, $3, ",                        \
       "vf_cellnoise_3($0, $1, $2, $3, ")                                                           \
     X(RANDOM, "fffff", FLOAT_NOISE, "sf_random($0, $1, $2, $3)", "vf_random($0, $1, $2, $3)")      \
+    /* Between a sample and its neighbour in the quad: the one pair of operations in which lanes   \
+     * see each other, so they may not move into or out of control flow. */                        \
+    X(DIFFERENCE_X, "ff", FLOAT_DIFFERENCE, "shader_no_difference($0)",                            \
+      "shader_difference_x($0, present)")                                                          \
+    X(DIFFERENCE_Y, "ff", FLOAT_DIFFERENCE, "shader_no_difference($0)",                            \
+      "shader_difference_y($0, present)")                                                          \
     X(LESS, "bff", FLOAT_COMPARE, "$0 < $1", "$0 < $1")                                            \
     X(LESS_EQUAL, "bff", FLOAT_COMPARE, "$0 <= $1", "$0 <= $1")                                    \
     X(EQUAL, "bff", FLOAT_COMPARE, "$0 == $1", "$0 == $1")                                         \

@@ -183,10 +183,8 @@ void lexer_next(struct lexer *lexer, struct token *token) {
     for (;;) {
         const char *before = lexer->cursor;
         skip_space(lexer);
-        *token = (struct token){.kind = TOKEN_END,
-                                .at = here(lexer),
-                                .text = "",
-                                .has_space = lexer->cursor != before};
+        *token = (struct token){
+            .kind = TOKEN_END, .at = here(lexer), .text = "", .has_space = lexer->cursor != before};
         if (lexer->cursor >= lexer->end)
             return;
         unsigned char byte = (unsigned char)*lexer->cursor;
@@ -220,9 +218,9 @@ void lexer_next(struct lexer *lexer, struct token *token) {
                 return;
             }
         lexer->cursor++;
-        if (byte && strchr(lexer->in_directive ? "+-*/.^!<>=?:;,(){}[]#%&|~\\'@`$"
-                                               : "+-*/.^!<>=?:;,(){}[]",
-                           byte)) {
+        if (byte &&
+            strchr(lexer->in_directive ? "+-*/.^!<>=?:;,(){}[]#%&|~\\'@`$" : "+-*/.^!<>=?:;,(){}[]",
+                   byte)) {
             token->kind = byte;
             return;
         }

@@ -9,7 +9,8 @@
 struct ir_value {
     int count; /* 1 or 3; 0: nothing */
     struct ir_operand part[3];
-    int array_length; /* part[] are then array variables */
+    int array_length;           /* part[] are then array variables; of a matrix 16 times as long */
+    struct ir_operand *strings; /* the elements of an array of strings, instead of part[] */
 };
 
 /* The flags that stand for break and continue of one loop. */
@@ -38,8 +39,12 @@ struct lowering {
     const struct source_location *site; /* of the call into the prelude, NULL outside of it */
     bool in_default; /* evaluating a parameter's default: points are in shader space */
     struct ir_value light_direction, light_color; /* inside illuminance; count 0 outside */
-    struct ast_symbol *direction, *color;         /* L and Cl of a light, or Ci */
     struct ast_function *prelude;
+    enum shader_kind kind; /* of the shader being lowered: several may make one program */
+    /* Of the predefined variables, by their number in `globals`: shared by all these shaders. */
+    struct ir_value *global_values[GLOBALS_MAX];
+    bool global_is_assigned[GLOBALS_MAX];
+    struct ir_node *loads_end; /* the last node of what loads them, at the start of the program */
     struct ir_variable *random_calls; /* how often random() ran so far; NULL before the first */
 };
 
@@ -56,6 +61,8 @@ struct ir_operand lower_unary(struct lowering *l, const struct source_location *
 struct ir_operand lower_binary(struct lowering *l, const struct source_location *at,
                                enum ir_operation op, struct ir_operand a, struct ir_operand b);
 struct ir_operand lower_dot(struct lowering *l, const struct source_location *at,
+                            const struct ir_value *a, const struct ir_value *b);
+struct ir_value lower_cross(struct lowering *l, const struct source_location *at,
                             const struct ir_value *a, const struct ir_value *b);
 struct ir_operand lower_length(struct lowering *l, const struct source_location *at,
                                const struct ir_value *a);
@@ -124,8 +131,41 @@ struct ir_value lower_prelude_call(struct lowering *l, const struct source_locat
 /* lower_symbol.c: variables, parameters, predefined variables */
 struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
                               const struct source_location *at);
+/* Makes the table of parameters of all shaders, and of all predefined variables that could be in a
+ * transfer map; bind_parameters.c drops those that nothing reads. */
+void lower_parameter_table(struct lowering *l, const struct checked_unit *units, int count);
+/* Loads the parameters of one shader. */
 void lower_parameters(struct lowering *l, struct ast_function *shader);
-struct shader_parameter *lower_find_parameter(struct lowering *l, const char *name);
+/* The predefined variable of this name. */
+struct ir_value *lower_global(struct lowering *l, const struct ast_global *global,
+                              const struct source_location *at);
+/* lower_array.c: elements of arrays, matrices and strings included */
+struct ir_value lower_array_load(struct lowering *l, const struct source_location *at,
+                                 enum ast_type type, const struct ir_value *array,
+                                 struct ir_operand index);
+void lower_array_store(struct lowering *l, const struct source_location *at, enum ast_type type,
+                       const struct ir_value *array, struct ir_operand index,
+                       const struct ir_value *from);
+void lower_array_copy(struct lowering *l, const struct source_location *at, enum ast_type type,
+                      const struct ir_value *to, const struct ir_value *from, int length);
+/* What can be assigned to: a variable, or an element of which the index is computed once. */
+struct lower_target {
+    const struct source_location *at;
+    enum ast_type type;
+    struct ir_value whole;
+    struct ir_operand index;
+    bool is_element;
+};
+struct lower_target lower_target_open(struct lowering *l, struct ast_expression *e);
+struct ir_value lower_target_read(struct lowering *l, const struct lower_target *target);
+void lower_target_write(struct lowering *l, const struct lower_target *target,
+                        const struct ir_value *value);
+/* lower_derivative.c */
+struct ir_value lower_derivative(struct lowering *l, const struct ast_expression *e,
+                                 const struct ir_value *arguments, int count);
+/* |change to the right| + |change downwards| between samples */
+struct ir_operand lower_sample_step(struct lowering *l, const struct source_location *at,
+                                    struct ir_operand x);
 /* lower_statement.c */
 /* Whether neither break, continue (when `in_body`) nor return was reached; a constant when there
  * are none. */

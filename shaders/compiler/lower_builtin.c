@@ -74,23 +74,15 @@ static struct ir_operand lower_comp(struct lowering *l, const struct ast_express
     return lower_operate(l, &e->at, IR_SELECT, is_third, value->part[2], first);
 }
 
-/* setxcomp(v, x) and setcomp(v, i, x) */
-static struct ir_value lower_setcomp(struct lowering *l, const struct ast_expression *e,
-                                     const struct arguments *a, int fixed) {
-    struct ast_expression *target = a->expression[0];
-    struct ir_operand index = fixed >= 0 ? ir_float((float)fixed) : a->value[1].part[0];
-    struct ir_operand number = a->value[a->count - 1].part[0];
-    struct ir_value old = a->value[0], changed = old;
-    if (target->kind != EXPRESSION_NAME) {
-        compile_error(l->c, lower_at(l, &target->at),
-                      "components of array elements cannot be set singly");
-        return lower_constant(0, 1);
-    }
+/* The value with component `index` replaced by `number`. */
+static struct ir_value replace_component(struct lowering *l, const struct ast_expression *e,
+                                         const struct ir_value *old, struct ir_operand index,
+                                         struct ir_operand number) {
+    struct ir_value changed = *old;
     for (int i = 0; i < 3; i++) {
         if (index.kind == OPERAND_FLOAT) {
             int which = index.number >= 2 ? 2 : index.number >= 1 ? 1 : 0;
-            if (i == which)
-                lower_move(l, &e->at, old.part[i].variable, number);
+            changed.part[i] = i == which ? number : old->part[i];
             continue;
         }
         struct ir_operand is_it =
@@ -98,9 +90,28 @@ static struct ir_value lower_setcomp(struct lowering *l, const struct ast_expres
                 i == 0 ? ir_float(1) : index);
         if (i == 1)
             is_it = op2(l, e, IR_AND, is_it, op2(l, e, IR_LESS, index, ir_float(2)));
-        changed.part[i] = lower_operate(l, &e->at, IR_SELECT, is_it, number, old.part[i]);
-        lower_move(l, &e->at, old.part[i].variable, changed.part[i]);
+        changed.part[i] = lower_operate(l, &e->at, IR_SELECT, is_it, number, old->part[i]);
     }
+    return changed;
+}
+
+/* setxcomp(v, x), setcomp(v, i, x) and setcomp(m, row, column, x) */
+static struct ir_value lower_setcomp(struct lowering *l, const struct ast_expression *e,
+                                     int fixed) {
+    struct lower_target target = lower_target_open(l, e->arguments);
+    struct ir_value a[4] = {lower_target_read(l, &target)};
+    int count = 1;
+    for (struct ast_expression *x = e->arguments->next; x; x = x->next)
+        a[count++] = lower_expression(l, x);
+    if (a[0].array_length) {
+        lower_matrix_builtin(l, e, a);
+        if (target.is_element)
+            lower_target_write(l, &target, &a[0]);
+        return lower_constant(0, 1);
+    }
+    struct ir_operand index = fixed >= 0 ? ir_float((float)fixed) : a[1].part[0];
+    struct ir_value changed = replace_component(l, e, &a[0], index, a[count - 1].part[0]);
+    lower_target_write(l, &target, &changed);
     return lower_constant(0, 1);
 }
 
@@ -120,7 +131,7 @@ static struct ir_value lower_spaces(struct lowering *l, const struct ast_express
 static struct ir_value lower_ambient(struct lowering *l, const struct ast_expression *e) {
     struct ir_value result = {.count = 3};
     struct ir_operand none = {0};
-    if (l->ir->kind != SHADER_KIND_SURFACE)
+    if (l->kind != SHADER_KIND_SURFACE && l->kind != SHADER_KIND_VOLUME)
         compile_error(l->c, lower_at(l, &e->at), "ambient() belongs into a surface shader");
     for (int i = 0; i < 3; i++) {
         result.part[i] = lower_operate(l, &e->at, IR_AMBIENT, none, none, none);
@@ -197,8 +208,24 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     if (builtin_neutral(e->builtin->id, &neutral))
         return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
                                       : lower_constant(neutral, ast_type_width(e->type));
-    if (e->builtin->id == BUILTIN_SPLINE)
+    if (builtin_refusal(e->builtin->id)) {
+        compile_error(l->c, lower_at(l, &e->at), "%s() is not supported: %s", e->name,
+                      builtin_refusal(e->builtin->id));
+        return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
+                                      : lower_constant(0, ast_type_width(e->type));
+    }
+    switch (e->builtin->id) {
+    case BUILTIN_SPLINE:
         return lower_spline(l, e);
+    case BUILTIN_SETXCOMP:
+    case BUILTIN_SETYCOMP:
+    case BUILTIN_SETZCOMP:
+        return lower_setcomp(l, e, (int)e->builtin->id - BUILTIN_SETXCOMP);
+    case BUILTIN_SETCOMP:
+        return lower_setcomp(l, e, -1);
+    default:
+        break;
+    }
     for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_expression(l, x);
@@ -228,12 +255,15 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
         return scalar(a.value[0].part[2]);
     case BUILTIN_COMP:
         return scalar(lower_comp(l, e, &a.value[0], a.value[1].part[0]));
-    case BUILTIN_SETXCOMP:
-    case BUILTIN_SETYCOMP:
-    case BUILTIN_SETZCOMP:
-        return lower_setcomp(l, e, &a, (int)e->builtin->id - BUILTIN_SETXCOMP);
-    case BUILTIN_SETCOMP:
-        return lower_setcomp(l, e, &a, -1);
+    case BUILTIN_DU:
+    case BUILTIN_DV:
+    case BUILTIN_DERIV:
+    case BUILTIN_AREA:
+    case BUILTIN_CALCULATENORMAL:
+    case BUILTIN_FILTERWIDTH:
+    case BUILTIN_FILTERWIDTHP:
+    case BUILTIN_FILTERSTEP:
+        return lower_derivative(l, e, a.value, a.count);
     case BUILTIN_LENGTH:
         return scalar(lower_length(l, &e->at, &a.value[0]));
     case BUILTIN_NORMALIZE:

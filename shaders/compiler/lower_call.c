@@ -89,8 +89,15 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
                       INSTRUCTION_COUNT_MAX);
     const struct source_location *site = l->site;
     bool in_default = l->in_default;
-    for (struct ast_expression *a = e->arguments; a && count < 64; a = a->next)
-        arguments[count++] = lower_expression(l, a);
+    struct lower_target targets[64];
+    for (struct ast_expression *a = e->arguments; a && count < 64; a = a->next) {
+        bool is_target = a->kind == EXPRESSION_INDEX && !a->array_length;
+        if (is_target)
+            targets[count] = lower_target_open(l, a);
+        arguments[count] =
+            is_target ? lower_target_read(l, &targets[count]) : lower_expression(l, a);
+        count++;
+    }
     if (function->is_prelude && !l->site)
         l->site = &e->at;
     l->scope = l->list;
@@ -103,11 +110,10 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
     for (struct ast_expression *a = e->arguments; a; a = a->next, formal = formal->next, i++) {
         if (!formal->is_output || formal->array_length)
             continue;
-        if (a->kind == EXPRESSION_NAME) {
+        if (a->kind == EXPRESSION_NAME)
             lower_assign(l, &a->at, &arguments[i], formal->value);
-            continue;
-        }
-        compile_error(l->c, lower_at(l, &a->at), "an array element cannot be an output argument");
+        else
+            lower_target_write(l, &targets[i], formal->value);
     }
     l->site = site;
     l->scope = scope;

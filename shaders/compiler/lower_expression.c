@@ -93,18 +93,6 @@ static struct ir_value lower_unary_expression(struct lowering *l, struct ast_exp
     return value;
 }
 
-static struct ir_value lower_cross(struct lowering *l, const struct source_location *at,
-                                   const struct ir_value *a, const struct ir_value *b) {
-    struct ir_value value = {.count = 3};
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        value.part[i] = lower_binary(l, at, IR_SUBTRACT,
-                                     lower_binary(l, at, IR_MULTIPLY, a->part[j], b->part[k]),
-                                     lower_binary(l, at, IR_MULTIPLY, a->part[k], b->part[j]));
-    }
-    return value;
-}
-
 static struct ir_value scalar(struct ir_operand operand) {
     return (struct ir_value){.count = 1, .part = {operand}};
 }
@@ -217,48 +205,25 @@ static struct ir_value lower_conditional(struct lowering *l, struct ast_expressi
     return value;
 }
 
-static void lower_store(struct lowering *l, struct ast_expression *target, struct ir_value *array,
-                        struct ir_operand index, const struct ir_value *from) {
-    for (int i = 0; i < array->count; i++) {
-        struct ir_node *node =
-            ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &target->at));
-        node->operation = IR_ARRAY_STORE;
-        node->array = array->part[i].variable;
-        node->operands[0] = index;
-        node->operands[1] = from->part[from->count == 1 ? 0 : i];
-    }
-}
-
-static struct ir_value lower_load(struct lowering *l, const struct source_location *at,
-                                  struct ir_value *array, struct ir_operand index) {
-    struct ir_value value = {.count = array->count};
-    struct ir_operand none = {0};
-    for (int i = 0; i < array->count; i++) {
-        value.part[i] = lower_operate(l, at, IR_ARRAY_LOAD, index, none, none);
-        l->list->last->array = array->part[i].variable;
-    }
-    return value;
-}
-
 static struct ir_value lower_assignment(struct lowering *l, struct ast_expression *e) {
+    if (e->left->array_length) {
+        struct ir_value to = *lower_symbol(l, e->left->symbol, &e->left->at);
+        struct ir_value from = *lower_symbol(l, e->right->symbol, &e->right->at);
+        lower_array_copy(l, &e->at, e->left->type, &to, &from, e->left->array_length);
+        return (struct ir_value){0};
+    }
     struct ir_value right = lower_expression(l, e->right);
-    struct ir_value target = *lower_symbol(l, e->left->symbol, &e->left->at);
-    struct ir_value index = {0};
-    bool is_element = e->left->kind == EXPRESSION_INDEX;
-    if (is_element)
-        index = lower_expression(l, e->left->right);
-    if (e->token && e->type == TYPE_MATRIX) {
-        right = lower_matrix_binary(l, &e->at, e->token == '/', &target, &right);
-    } else if (e->token) {
-        struct ir_value left = is_element ? lower_load(l, &e->at, &target, index.part[0]) : target;
-        right = lower_each(l, &e->at, arithmetic(e->token), &left, &right);
+    struct lower_target target = lower_target_open(l, e->left);
+    target.at = &e->at;
+    if (e->token) {
+        struct ir_value left = lower_target_read(l, &target);
+        right = e->type == TYPE_MATRIX
+                    ? lower_matrix_binary(l, &e->at, e->token == '/', &left, &right)
+                    : lower_each(l, &e->at, arithmetic(e->token), &left, &right);
     }
     if (!right.array_length)
         right = widen(&right, e->type);
-    if (is_element)
-        lower_store(l, e->left, &target, index.part[0], &right);
-    else
-        lower_assign(l, &e->at, &target, &right);
+    lower_target_write(l, &target, &right);
     return right;
 }
 
@@ -272,7 +237,7 @@ static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {
         return *lower_symbol(l, e->symbol, &e->at);
     case EXPRESSION_INDEX: {
         struct ir_value array = *lower_symbol(l, e->symbol, &e->at);
-        return lower_load(l, &e->at, &array, lower_expression(l, e->right).part[0]);
+        return lower_array_load(l, &e->at, e->type, &array, lower_expression(l, e->right).part[0]);
     }
     case EXPRESSION_TUPLE:
         return lower_tuple(l, e);

@@ -58,7 +58,8 @@ void lower_illuminance(struct lowering *l, struct ast_statement *s) {
     struct ast_expression *axis = s->argument_count == 3 ? s->arguments->next : NULL;
     struct cone cone = {0};
     struct lower_loop loop = {.is_illuminance = true, .outer = l->call->loops};
-    if (l->ir->kind != SHADER_KIND_SURFACE || l->light_direction.count) {
+    bool can_ask = l->kind == SHADER_KIND_SURFACE || l->kind == SHADER_KIND_VOLUME;
+    if (!can_ask || l->light_direction.count) {
         compile_error(l->c, lower_at(l, &s->at),
                       l->light_direction.count ? "illuminance inside illuminance"
                                                : "illuminance belongs into a surface shader");
@@ -97,7 +98,7 @@ void lower_illuminate(struct lowering *l, struct ast_statement *s) {
     struct ast_expression *first = s->arguments,
                           *axis = s->argument_count == 3 ? first->next : NULL;
     struct ir_operand none = {0};
-    struct ir_value *direction = lower_symbol(l, l->direction, &s->at);
+    struct ir_value *direction = lower_global(l, global_find("L"), &s->at);
     struct cone cone = {0};
     l->ir->is_ambient = false;
     if (!first)

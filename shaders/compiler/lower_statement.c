@@ -81,14 +81,7 @@ static void lower_declaration(struct lowering *l, struct ast_symbol *symbol) {
     int element = 0;
     for (struct ast_expression *e = symbol->elements; e; e = e->next, element++) {
         struct ir_value one = lower_expression(l, e);
-        for (int i = 0; i < value->count; i++) {
-            struct ir_node *store =
-                ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &e->at));
-            store->operation = IR_ARRAY_STORE;
-            store->array = value->part[i].variable;
-            store->operands[0] = ir_float((float)element);
-            store->operands[1] = one.part[one.count == 1 ? 0 : i];
-        }
+        lower_array_store(l, &e->at, symbol->type, value, ir_float((float)element), &one);
     }
 }
 
@@ -124,7 +117,8 @@ static void lower_step(struct lowering *l, struct ast_statement *s, struct ir_li
             l->list = l->scope = guard->body;
         }
     }
-    lower_expression(l, s->step);
+    for (struct ast_expression *e = s->step; e; e = e->next)
+        lower_expression(l, e);
     l->list = outer;
     l->scope = scope;
 }
@@ -132,8 +126,8 @@ static void lower_step(struct lowering *l, struct ast_statement *s, struct ir_li
 /* `continued` lives in the body, so it starts false each time; `broken` lives outside the loop. */
 static void lower_for(struct lowering *l, struct ast_statement *s) {
     struct lower_loop loop = {0};
-    if (s->initial)
-        lower_expression(l, s->initial);
+    for (struct ast_expression *e = s->initial; e; e = e->next)
+        lower_expression(l, e);
     struct ir_list *outer = l->list, *scope = l->scope;
     if (s->body && s->body->exit_level > 0) {
         loop.broken = ir_variable_new(l->ir, l->list, IR_BOOL, NULL);

@@ -3,12 +3,21 @@
 
 #include <string.h>
 
-struct shader_parameter *lower_find_parameter(struct lowering *l, const char *name) {
+/* The entry of a predefined variable. */
+static struct shader_parameter *find_global(struct lowering *l, const char *name) {
     struct shader_program *program = l->c->program;
     for (int i = 0; i < program->parameter_count; i++)
-        if (!strcmp(program->parameters[i].name, name))
+        if (program->parameters[i].is_global && !strcmp(program->parameters[i].name, name))
             return &program->parameters[i];
     return NULL;
+}
+
+/* The entries of a shader's parameters lie side by side, in their order. */
+static struct shader_parameter *first_parameter(struct lowering *l, enum shader_kind kind) {
+    struct shader_parameter *parameter = l->c->program->parameters;
+    while (parameter->shader != kind)
+        parameter++;
+    return parameter;
 }
 
 static struct ir_operand load(struct lowering *l, const struct source_location *at,
@@ -53,19 +62,29 @@ static struct ir_value bound_global(struct lowering *l, const struct source_loca
     return value;
 }
 
+static struct ir_value lower_uv_step(struct lowering *l, const struct ast_global *global,
+                                     const struct source_location *at) {
+    const struct ast_global *of = global_find(global->name + 1);
+    struct ir_value value = {.count = 1};
+    value.part[0] = lower_sample_step(l, at, lower_global(l, of, at)->part[0]);
+    return value;
+}
+
 static struct ir_value global_value(struct lowering *l, const struct ast_global *global,
                                     const struct source_location *at) {
-    enum global_source source =
-        l->ir->kind == SHADER_KIND_SURFACE ? global->surface : global->light;
     int count = ast_type_width(global->type);
     struct ir_value zero = lower_constant(0, 3), axis = zero;
     struct ir_operand from = ir_string(SHADER_SPACE_SHADER), to = ir_string(SHADER_SPACE_CURRENT);
     axis.part[2] = ir_float(1);
-    switch (source) {
+    switch (global_source_in(global, l->kind)) {
     case GLOBAL_MATERIAL:
-        return load_all(l, at, IR_MATERIAL, lower_find_parameter(l, global->name), count);
+        return load_all(l, at, IR_MATERIAL, find_global(l, global->name), count);
     case GLOBAL_BOUND:
-        return bound_global(l, at, lower_find_parameter(l, global->name));
+        return bound_global(l, at, find_global(l, global->name));
+    case GLOBAL_RESULT: /* an imager starts with the picture */
+        if (l->kind == SHADER_KIND_IMAGER)
+            return load_all(l, at, IR_MATERIAL, find_global(l, global->name), count);
+        return lower_constant(0, count);
     case GLOBAL_POSITION:
         return load_all(l, at, IR_POSITION, NULL, 3);
     case GLOBAL_INCIDENT:
@@ -80,57 +99,58 @@ static struct ir_value global_value(struct lowering *l, const struct ast_global 
         return lower_transform(l, at, TYPE_POINT, &from, &to, &zero);
     case GLOBAL_AXIS:
         return lower_transform(l, at, TYPE_VECTOR, &from, &to, &axis);
+    case GLOBAL_STEP:
+        return lower_uv_step(l, global, at);
     default:
         return lower_constant(0, count);
     }
 }
 
-/* A predefined variable: loaded once at the very start, whatever control flow asks for it first.
- * Only what the shader assigns to needs variables of its own. */
-static struct ir_value *lower_global(struct lowering *l, struct ast_symbol *symbol,
-                                     const struct source_location *at) {
-    struct ir_list *list = l->list, *scope = l->scope;
-    struct ir_list *start = ir_list_new(l->ir, NULL);
-    l->list = l->scope = start;
-    struct ir_value value = global_value(l, symbol->global, at);
-    symbol->value = compilation_get(l->c, sizeof *symbol->value);
-    struct ir_list *top = l->ir->top;
+/* Variables declared in `start` move to the top level. */
+static void move_variables(struct ir_list *start, struct ir_list *top) {
     for (struct ir_variable *v = start->variables, *next; v; v = next) {
         next = v->next_in_home;
         v->home = top;
         v->next_in_home = top->variables;
         top->variables = v;
     }
-    l->scope = top;
-    if (symbol->is_assigned) {
-        *symbol->value = lower_variables(l, at, symbol->type, 0, symbol->name, STORAGE_UNSAID);
-        enum global_source source =
-            l->ir->kind == SHADER_KIND_SURFACE ? symbol->global->surface : symbol->global->light;
-        if (source != GLOBAL_RESULT)
-            lower_assign(l, at, symbol->value, &value);
-        for (struct ir_variable *v = start->variables, *next; v;
-             v = next) { /* copies made just now */
-            next = v->next_in_home;
-            if (v->home == start) {
-                v->home = top;
-                v->next_in_home = top->variables;
-                top->variables = v;
-            }
-        }
-    } else {
-        *symbol->value = value;
+    start->variables = NULL;
+}
+
+/* Loaded once at the very start, after those loaded before, whatever control flow asks for it
+ * first. Only what a shader assigns to needs variables of its own. */
+struct ir_value *lower_global(struct lowering *l, const struct ast_global *global,
+                              const struct source_location *at) {
+    struct ir_value **slot = &l->global_values[global - globals];
+    if (*slot)
+        return *slot;
+    struct ir_list *list = l->list, *scope = l->scope, *top = l->ir->top;
+    struct ir_list *start = ir_list_new(l->ir, NULL);
+    l->list = l->scope = start;
+    struct ir_value value = global_value(l, global, at);
+    struct ir_value *result = compilation_get(l->c, sizeof *result);
+    *result = value;
+    if (l->global_is_assigned[global - globals]) {
+        *result = lower_variables(l, at, global->type, 0, global->name, STORAGE_UNSAID);
+        bool starts_at_zero =
+            global_source_in(global, l->kind) == GLOBAL_RESULT && l->kind != SHADER_KIND_IMAGER;
+        if (!starts_at_zero)
+            lower_assign(l, at, result, &value);
     }
+    move_variables(start, top);
     for (struct ir_node *node = start->first; node; node = node->next)
         node->list = top;
     if (start->first) {
-        start->last->next = top->first;
-        if (!top->first)
+        struct ir_node **link = l->loads_end ? &l->loads_end->next : &top->first;
+        start->last->next = *link;
+        if (!*link)
             top->last = start->last;
-        top->first = start->first;
+        *link = start->first;
+        l->loads_end = start->last;
     }
     l->list = list;
     l->scope = scope;
-    return symbol->value;
+    return *slot = result;
 }
 
 struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
@@ -144,7 +164,7 @@ struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
         }
         return symbol->value;
     }
-    if (l->ir->kind == SHADER_KIND_SURFACE && symbol->global->surface == GLOBAL_LIGHT) {
+    if (global_source_in(symbol->global, l->kind) == GLOBAL_LIGHT) {
         struct ir_value *value = symbol->type == TYPE_COLOR ? &l->light_color : &l->light_direction;
         if (!value->count) {
             compile_error(l->c, lower_at(l, at), "%s has a value only inside illuminance",
@@ -153,91 +173,102 @@ struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
         }
         return value;
     }
-    return symbol->value ? symbol->value : lower_global(l, symbol, at);
+    return lower_global(l, symbol->global, at);
+}
+
+static void store_component(struct lowering *l, const struct source_location *at,
+                            const struct ir_value *value, int width, int i, struct ir_operand from,
+                            bool is_free) {
+    struct ir_node *store;
+    if (value->strings || !value->array_length) {
+        lower_move(l, at, (value->strings ? value->strings : value->part)[i].variable, from);
+        return;
+    }
+    store = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, at);
+    store->operation = IR_ARRAY_STORE;
+    store->array = value->part[i % width].variable;
+    store->operands[0] = ir_float((float)(i / width));
+    store->operands[1] = from;
+    store->is_free = is_free;
+}
+
+static void lower_default(struct lowering *l, struct ast_symbol *symbol,
+                          const struct ir_value *value) {
+    int element = 0,
+        strings = symbol->type == TYPE_STRING ? symbol->array_length ? symbol->array_length : 1 : 0;
+    l->in_default = true;
+    for (int i = 0; i < strings; i++)
+        store_component(l, &symbol->at, value, 1, i, ir_string(shader_string_identity("")), false);
+    if (symbol->initial) {
+        struct ir_value initial = lower_expression(l, symbol->initial);
+        lower_assign(l, &symbol->initial->at, value, &initial);
+    }
+    for (struct ast_expression *e = symbol->elements; e; e = e->next, element++) {
+        struct ir_value initial = lower_expression(l, e);
+        lower_array_store(l, &e->at, symbol->type, value, ir_float((float)element), &initial);
+    }
+    l->in_default = false;
+}
+
+/* A parameter that the shader changes, or that is declared varying, gets memory of its own. */
+static void copy_parameter(struct lowering *l, struct ast_symbol *symbol,
+                           enum ast_storage storage) {
+    struct ir_value loaded = *symbol->value;
+    *symbol->value =
+        lower_variables(l, &symbol->at, symbol->type, symbol->array_length, symbol->name, storage);
+    if (symbol->array_length)
+        lower_array_copy(l, &symbol->at, symbol->type, symbol->value, &loaded,
+                         symbol->array_length);
+    else
+        lower_assign(l, &symbol->at, symbol->value, &loaded);
 }
 
 /* if (given) p = bound else p = default. In an instance that binds it, a parameter declared varying
  * is loaded into pixel memory; others are uniform. */
 static void lower_bound_parameter(struct lowering *l, struct ast_symbol *symbol,
                                   struct shader_parameter *parameter) {
-    int width = ast_type_width(symbol->type), length = symbol->array_length;
     bool is_string = symbol->type == TYPE_STRING;
-    struct ir_value value =
-        lower_variables(l, &symbol->at, symbol->type, length, symbol->name, STORAGE_UNIFORM);
+    int width = ast_type_width(symbol->type);
+    struct ir_value value = lower_variables(l, &symbol->at, symbol->type, symbol->array_length,
+                                            symbol->name, STORAGE_UNIFORM);
     struct ir_operand given = load(l, &symbol->at, IR_GIVEN, parameter, 0);
     struct ir_node *node = lower_control(l, NODE_IF, &symbol->at);
     struct ir_list *list = l->list, *scope = l->scope;
     node->condition = given;
     node->otherwise = ir_list_new(l->ir, node);
     l->list = l->scope = node->body;
-    for (int i = 0; i < (length ? length : 1) * width; i++) {
+    for (int i = 0; i < parameter->components; i++) {
         struct ir_operand bound =
             load(l, &symbol->at, is_string ? IR_BOUND_STRING : IR_BOUND, parameter, i);
-        struct ir_variable *to = value.part[i % width].variable;
-        if (!length) {
-            lower_move(l, &symbol->at, to, bound);
-            continue;
-        }
-        struct ir_node *store = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, &symbol->at);
-        store->operation = IR_ARRAY_STORE;
-        store->array = to;
-        store->operands[0] = ir_float((float)(i / width));
-        store->operands[1] = bound;
+        store_component(l, &symbol->at, &value, width, i, bound, false);
     }
     l->list = l->scope = node->otherwise;
-    l->in_default = true;
-    if (symbol->initial) {
-        struct ir_value initial = lower_expression(l, symbol->initial);
-        lower_assign(l, &symbol->initial->at, &value, &initial);
-    } else if (is_string && !length) {
-        lower_move(l, &symbol->at, value.part[0].variable, ir_string(shader_string_identity("")));
-    }
-    int element = 0;
-    for (struct ast_expression *e = symbol->elements; e; e = e->next, element++) {
-        struct ir_value initial = lower_expression(l, e);
-        for (int i = 0; i < width; i++) {
-            struct ir_node *store = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, &e->at);
-            store->operation = IR_ARRAY_STORE;
-            store->array = value.part[i].variable;
-            store->operands[0] = ir_float((float)element);
-            store->operands[1] = initial.part[initial.count == 1 ? 0 : i];
-        }
-    }
-    l->in_default = false;
+    lower_default(l, symbol, &value);
     l->list = list;
     l->scope = scope;
     *symbol->value = value;
-    if (!parameter->is_varying || length || is_string)
-        return;
-    *symbol->value =
-        lower_variables(l, &symbol->at, symbol->type, 0, symbol->name, STORAGE_VARYING);
-    lower_assign(l, &symbol->at, symbol->value, &value);
+    if (is_string && symbol->is_assigned)
+        copy_parameter(l, symbol, STORAGE_UNIFORM);
+    else if (!is_string && parameter->is_varying && !symbol->array_length)
+        copy_parameter(l, symbol, STORAGE_VARYING);
+    else if (!is_string && symbol->is_assigned)
+        copy_parameter(l, symbol, symbol->storage);
 }
 
 static void lower_material_parameter(struct lowering *l, struct ast_symbol *symbol,
                                      struct shader_parameter *parameter) {
-    int width = ast_type_width(symbol->type), length = symbol->array_length;
-    if (!length) {
+    int width = ast_type_width(symbol->type);
+    if (!symbol->array_length && symbol->type != TYPE_MATRIX) {
         *symbol->value = load_all(l, &symbol->at, IR_MATERIAL, parameter, width);
-        if (symbol->is_assigned) {
-            struct ir_value loaded = *symbol->value;
-            *symbol->value =
-                lower_variables(l, &symbol->at, symbol->type, 0, symbol->name, STORAGE_VARYING);
-            lower_assign(l, &symbol->at, symbol->value, &loaded);
-        }
+        if (symbol->is_assigned)
+            copy_parameter(l, symbol, STORAGE_VARYING);
         return;
     }
-    *symbol->value =
-        lower_variables(l, &symbol->at, symbol->type, length, symbol->name, STORAGE_VARYING);
-    for (int i = 0; i < length * width; i++) {
-        struct ir_operand loaded = load(l, &symbol->at, IR_MATERIAL, parameter, i);
-        struct ir_node *store = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, &symbol->at);
-        store->operation = IR_ARRAY_STORE;
-        store->array = symbol->value->part[i % width].variable;
-        store->operands[0] = ir_float((float)(i / width));
-        store->operands[1] = loaded;
-        store->is_free = true;
-    }
+    *symbol->value = lower_variables(l, &symbol->at, symbol->type, symbol->array_length,
+                                     symbol->name, STORAGE_VARYING);
+    for (int i = 0; i < parameter->components; i++)
+        store_component(l, &symbol->at, symbol->value, width, i,
+                        load(l, &symbol->at, IR_MATERIAL, parameter, i), true);
 }
 
 static struct shader_parameter *add_parameter(struct lowering *l, const char *name,
@@ -249,7 +280,8 @@ static struct shader_parameter *add_parameter(struct lowering *l, const char *na
         .name = arena_copy_string(&program->arena, name, strlen(name)),
         .type = (enum shader_type)type,
         .array_length = array_length,
-        .components = ast_type_width(type) * (array_length ? array_length : 1),
+        .components =
+            shader_type_components((enum shader_type)type) * (array_length ? array_length : 1),
         .map_offset = -1,
         .bound_offset = -1,
         .line = at ? at->line : 0,
@@ -260,18 +292,12 @@ static struct shader_parameter *add_parameter(struct lowering *l, const char *na
     return parameter;
 }
 
-/* Makes the table of parameters and of all predefined variables that could be in a transfer map;
- * bind_parameters.c drops those the shader does not read. */
-void lower_parameters(struct lowering *l, struct ast_function *shader) {
-    struct shader_program *program = l->c->program;
-    program->parameters =
-        arena_get(&program->arena,
-                  sizeof *program->parameters * (size_t)(shader->formal_count + global_count));
-    if (!program->parameters)
-        compile_limit(l->c, &shader->at, "the shader needs more memory than the compiler may use");
-    for (struct ast_symbol *symbol = shader->formals; symbol; symbol = symbol->next) {
+static void add_parameters(struct lowering *l, const struct ast_unit *unit) {
+    for (struct ast_symbol *symbol = unit->shader->formals; symbol; symbol = symbol->next) {
         struct shader_parameter *parameter =
             add_parameter(l, symbol->name, symbol->type, symbol->array_length, &symbol->at);
+        parameter->shader = unit->kind;
+        parameter->is_output = symbol->is_output;
         parameter->is_uniform_declared = symbol->storage == STORAGE_UNIFORM;
         parameter->is_material = is_material(l, symbol->name);
         parameter->is_varying = parameter->is_material || symbol->storage == STORAGE_VARYING;
@@ -283,20 +309,35 @@ void lower_parameters(struct lowering *l, struct ast_function *shader) {
             parameter->is_material = parameter->is_varying = false;
         }
     }
-    for (int i = 0; i < global_count && l->ir->kind == SHADER_KIND_SURFACE; i++) {
-        if (globals[i].surface != GLOBAL_MATERIAL && globals[i].surface != GLOBAL_BOUND)
-            continue;
-        bool is_hidden = lower_find_parameter(l, globals[i].name) != NULL;
-        if (is_hidden)
+}
+
+void lower_parameter_table(struct lowering *l, const struct checked_unit *units, int count) {
+    struct shader_program *program = l->c->program;
+    size_t capacity = (size_t)global_count;
+    for (int i = 0; i < count; i++)
+        capacity += (size_t)units[i].unit->shader->formal_count;
+    program->parameters = arena_get(&program->arena, sizeof *program->parameters * capacity);
+    if (!program->parameters)
+        compile_limit(l->c, &units[0].unit->shader->at,
+                      "the shader needs more memory than the compiler may use");
+    for (int i = 0; i < count; i++)
+        add_parameters(l, units[i].unit);
+    for (int i = 0; i < global_count; i++) {
+        enum global_source source = global_source_in(&globals[i], l->ir->kind);
+        bool is_picture = l->ir->kind == SHADER_KIND_IMAGER && source == GLOBAL_RESULT;
+        if (source != GLOBAL_MATERIAL && source != GLOBAL_BOUND && !is_picture)
             continue;
         struct shader_parameter *parameter =
             add_parameter(l, globals[i].name, globals[i].type, 0, NULL);
+        parameter->shader = l->ir->kind;
         parameter->is_global = true;
-        parameter->is_material =
-            globals[i].surface == GLOBAL_MATERIAL || is_material(l, globals[i].name);
+        parameter->is_material = source != GLOBAL_BOUND || is_material(l, globals[i].name);
         parameter->is_varying = parameter->is_material;
     }
-    struct shader_parameter *parameter = program->parameters;
+}
+
+void lower_parameters(struct lowering *l, struct ast_function *shader) {
+    struct shader_parameter *parameter = shader->formals ? first_parameter(l, l->kind) : NULL;
     for (struct ast_symbol *symbol = shader->formals; symbol; symbol = symbol->next, parameter++) {
         symbol->value = compilation_get(l->c, sizeof *symbol->value);
         if (parameter->is_material)

@@ -70,6 +70,18 @@ struct ir_operand lower_dot(struct lowering *l, const struct source_location *at
     return sum;
 }
 
+struct ir_value lower_cross(struct lowering *l, const struct source_location *at,
+                            const struct ir_value *a, const struct ir_value *b) {
+    struct ir_value value = {.count = 3};
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        value.part[i] = lower_binary(l, at, IR_SUBTRACT,
+                                     lower_binary(l, at, IR_MULTIPLY, a->part[j], b->part[k]),
+                                     lower_binary(l, at, IR_MULTIPLY, a->part[k], b->part[j]));
+    }
+    return value;
+}
+
 struct ir_operand lower_length(struct lowering *l, const struct source_location *at,
                                const struct ir_value *a) {
     return lower_unary(l, at, IR_SQRT, lower_dot(l, at, a, a));
@@ -133,13 +145,21 @@ struct ir_value lower_variables(struct lowering *l, const struct source_location
                                 enum ast_type type, int array_length, const char *name,
                                 enum ast_storage storage) {
     if (type == TYPE_MATRIX)
-        array_length = 16;
+        array_length = 16 * (array_length ? array_length : 1);
     struct ir_value value = {.count = type == TYPE_VOID ? 0 : ast_type_width(type),
                              .array_length = array_length};
     l->ir->array_floats += array_length > 0 ? array_length * value.count : 0;
     if (l->ir->array_floats > ARRAY_FLOATS_MAX)
         compile_limit(l->c, lower_at(l, at), "the arrays of this shader hold more than %d floats",
                       ARRAY_FLOATS_MAX);
+    if (type == TYPE_STRING && array_length > 0) {
+        value.strings = compilation_get(l->c, (size_t)array_length * sizeof *value.strings);
+        for (int i = 0; i < array_length; i++) {
+            value.strings[i] = ir_of(ir_variable_new(l->ir, l->scope, IR_STRING, name));
+            value.strings[i].variable->is_declared_uniform = true;
+        }
+        return value;
+    }
     for (int i = 0; i < value.count; i++) {
         struct ir_variable *variable = ir_variable_new(l->ir, l->scope, lower_type(type), name);
         variable->array_length = array_length;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/parser.h"
 
+#include <string.h>
+
 static struct ast_expression *new_expression(struct parser *p, enum ast_expression_kind kind,
                                              const struct source_location *at) {
     struct ast_expression *e = compilation_get(p->c, sizeof *e);
@@ -54,8 +56,8 @@ static struct ast_expression *parse_parenthesis(struct parser *p) {
     return e;
 }
 
-/* name | name '[' expression ']' | name arguments; texture("file"[0], ...) is parsed far enough to
- * be named in the message that says it is not supported. */
+/* name | name '[' expression ']' | name arguments; the channel of texture(names[i][0], ...) is
+ * dropped. */
 static struct ast_expression *parse_name(struct parser *p) {
     struct ast_expression *e = new_expression(p, EXPRESSION_NAME, &p->token.at);
     e->name = p->token.text;
@@ -73,6 +75,10 @@ static struct ast_expression *parse_name(struct parser *p) {
         set_child(p, index, &index->left, e);
         set_child(p, index, &index->right, parse_expression(p));
         parser_expect(p, ']');
+        if (parser_accept(p, '[')) {
+            parse_expression(p);
+            parser_expect(p, ']');
+        }
         return index;
     }
     return e;
@@ -93,7 +99,22 @@ static struct ast_expression *parse_cast(struct parser *p, enum ast_type type) {
     return e;
 }
 
-/* number | string ['[' expression ']'] | name ... | '(' ... ')' */
+/* Strings side by side are one. */
+static const char *parse_string(struct parser *p) {
+    const char *text = p->token.text;
+    parser_advance(p);
+    while (p->token.kind == TOKEN_STRING) {
+        size_t length = strlen(text), more = strlen(p->token.text);
+        char *joined = compilation_get(p->c, length + more + 1);
+        memcpy(joined, text, length);
+        memcpy(joined + length, p->token.text, more);
+        text = joined;
+        parser_advance(p);
+    }
+    return text;
+}
+
+/* number | string {string} ['[' expression ']'] | name ... | '(' ... ')' */
 static struct ast_expression *parse_primary(struct parser *p) {
     struct ast_expression *e;
     switch (p->token.kind) {
@@ -104,20 +125,17 @@ static struct ast_expression *parse_primary(struct parser *p) {
         return e;
     case TOKEN_STRING:
         e = new_expression(p, EXPRESSION_STRING, &p->token.at);
-        e->name = p->token.text;
-        parser_advance(p);
+        e->name = parse_string(p);
         if (parser_accept(p, '[')) {
             parse_expression(p);
             parser_expect(p, ']');
         }
         return e;
-    case TOKEN_SURFACE: /* surface("Kd", k) asks a surface shader */
-    case TOKEN_DISPLACEMENT:
-    case TOKEN_IDENTIFIER:
-        return parse_name(p);
     case '(':
         return parse_parenthesis(p);
     }
+    if (parser_is_name(p->token.kind)) /* surface("Kd", k) asks a surface shader */
+        return parse_name(p);
     char buffer[24];
     if (!p->is_panicking)
         compile_error(p->c, &p->token.at, "expected an expression, not %s",

@@ -44,6 +44,20 @@ void parser_leave(struct parser *p) {
     p->nesting--;
 }
 
+bool parser_is_name(int kind) {
+    return kind == TOKEN_IDENTIFIER || (kind >= TOKEN_SURFACE && kind <= TOKEN_TRANSFORMATION);
+}
+
+/* The name at hand; an error when there is none. */
+static const char *parse_new_name(struct parser *p) {
+    const char *name = parser_is_name(p->token.kind) ? p->token.text : "?";
+    if (parser_is_name(p->token.kind))
+        parser_advance(p);
+    else
+        parser_expect(p, TOKEN_IDENTIFIER);
+    return name;
+}
+
 bool parser_type(const struct parser *p, int kind, enum ast_type *type) {
     switch (kind) {
     case TOKEN_FLOAT:
@@ -166,11 +180,10 @@ static void parse_array(struct parser *p, struct ast_symbol *symbol) {
 static struct ast_symbol *parse_declarator(struct parser *p, const struct declaration *d) {
     struct ast_symbol *symbol = compilation_get(p->c, sizeof *symbol);
     symbol->at = p->token.at;
-    symbol->name = p->token.kind == TOKEN_IDENTIFIER ? p->token.text : "?";
     symbol->type = d->type;
     symbol->storage = d->storage;
     symbol->is_output = d->is_output;
-    parser_expect(p, TOKEN_IDENTIFIER);
+    symbol->name = parse_new_name(p);
     if (p->token.kind == '[')
         parse_array(p, symbol);
     else if (parser_accept(p, '='))
@@ -222,15 +235,18 @@ static struct ast_statement *parse_body(struct parser *p) {
     return first;
 }
 
-/* name formals body */
+/* name formals (body | ';'); the second only says that there will be such a function */
 static struct ast_function *parse_function(struct parser *p, enum ast_type type, bool is_shader) {
     struct ast_function *function = compilation_get(p->c, sizeof *function);
     function->type = type;
     function->is_shader = is_shader;
     function->at = p->token.at;
-    function->name = p->token.kind == TOKEN_IDENTIFIER ? p->token.text : "?";
-    parser_expect(p, TOKEN_IDENTIFIER);
+    function->name = parse_new_name(p);
     parse_formals(p, function);
+    if (!is_shader && !p->is_panicking && parser_accept(p, ';')) {
+        function->is_prototype = true;
+        return function;
+    }
     if (p->is_panicking) /* the body may still be worth reading */
         while (p->token.kind != '{' && p->token.kind != TOKEN_END)
             parser_advance(p);
@@ -244,9 +260,9 @@ static struct ast_statement *parse_declaration(struct parser *p) {
     struct ast_statement *group = new_statement(p, STATEMENT_BLOCK), **link = &group->body;
     struct declaration d = {TYPE_ERROR, STORAGE_UNSAID, false, false};
     parse_declaration_type(p, &d);
-    if (!p->is_panicking && p->token.kind == TOKEN_IDENTIFIER && p->ahead.kind == '(') {
-        group->kind = STATEMENT_FUNCTION;
+    if (!p->is_panicking && parser_is_name(p->token.kind) && p->ahead.kind == '(') {
         group->function = parse_function(p, d.type, false);
+        group->kind = group->function->is_prototype ? STATEMENT_EMPTY : STATEMENT_FUNCTION;
         return group;
     }
     do {
@@ -276,16 +292,46 @@ static struct ast_statement *parse_if(struct parser *p) {
     return s;
 }
 
+/* expression {',' expression} */
+static struct ast_expression *parse_list(struct parser *p) {
+    struct ast_expression *first = parse_expression(p), **link = &first->next;
+    while (!p->is_panicking && parser_accept(p, ',')) {
+        *link = parse_expression(p);
+        link = &(*link)->next;
+    }
+    return first;
+}
+
+/* Whether a declaration begins here, and not a cast. */
+static bool at_declaration(const struct parser *p) {
+    enum ast_type type;
+    if (is_qualifier(p->token.kind))
+        return true;
+    return parser_type(p, p->token.kind, &type) &&
+           (parser_is_name(p->ahead.kind) || is_qualifier(p->ahead.kind));
+}
+
+/* 'for' '(' declaration ... : a block with the variables around the loop without them */
+static struct ast_statement *parse_loop_scope(struct parser *p, struct ast_statement *loop) {
+    struct ast_statement *scope = new_statement(p, STATEMENT_BLOCK);
+    scope->is_scope = true;
+    scope->body = parse_declaration(p);
+    scope->body->next = loop;
+    return scope;
+}
+
 /* 'while' '(' expression ')' statement
- * | 'for' '(' [expression] ';' [expression] ';' [expression] ')' statement */
+ * | 'for' '(' [list ';' | declaration | ';'] [expression] ';' [list] ')' statement */
 static struct ast_statement *parse_loop(struct parser *p) {
-    struct ast_statement *s = new_statement(p, STATEMENT_FOR);
+    struct ast_statement *s = new_statement(p, STATEMENT_FOR), *whole = s;
     bool is_for = p->token.kind == TOKEN_FOR;
     parser_advance(p);
     parser_expect(p, '(');
-    if (is_for) {
+    if (is_for && at_declaration(p)) {
+        whole = parse_loop_scope(p, s);
+    } else if (is_for) {
         if (p->token.kind != ';')
-            s->initial = parse_expression(p);
+            s->initial = parse_list(p);
         parser_expect(p, ';');
     }
     if (!is_for || p->token.kind != ';')
@@ -293,11 +339,11 @@ static struct ast_statement *parse_loop(struct parser *p) {
     if (is_for) {
         parser_expect(p, ';');
         if (p->token.kind != ')')
-            s->step = parse_expression(p);
+            s->step = parse_list(p);
     }
     parser_expect(p, ')');
     s->body = parse_statement(p);
-    return s;
+    return whole;
 }
 
 /* ('break' | 'continue') [number] ';' */
@@ -336,10 +382,17 @@ static struct ast_statement *parse_lighting(struct parser *p, enum ast_statement
     return s;
 }
 
-/* expression ';' */
+/* expression ';' | 'gather' arguments statement ['else' statement], of which the call remains */
 static struct ast_statement *parse_expression_statement(struct parser *p) {
     struct ast_statement *s = new_statement(p, STATEMENT_EXPRESSION);
+    bool is_gather = p->token.kind == TOKEN_IDENTIFIER && !strcmp(p->token.text, "gather");
     s->expression = parse_expression(p);
+    if (is_gather && !p->is_panicking && p->token.kind != ';') {
+        parse_statement(p);
+        if (parser_accept(p, TOKEN_ELSE))
+            parse_statement(p);
+        return s;
+    }
     parser_expect(p, ';');
     return s;
 }
@@ -352,7 +405,6 @@ static struct ast_statement *parse_block(struct parser *p) {
 }
 
 static struct ast_statement *parse_statement_inner(struct parser *p) {
-    enum ast_type type;
     switch (p->token.kind) {
     case ';': {
         struct ast_statement *s = new_statement(p, STATEMENT_EMPTY);
@@ -379,9 +431,7 @@ static struct ast_statement *parse_statement_inner(struct parser *p) {
     case TOKEN_SOLAR:
         return parse_lighting(p, STATEMENT_SOLAR);
     }
-    if (is_qualifier(p->token.kind) ||
-        (parser_type(p, p->token.kind, &type) && p->ahead.kind == TOKEN_IDENTIFIER) ||
-        (parser_type(p, p->token.kind, &type) && is_qualifier(p->ahead.kind)))
+    if (at_declaration(p))
         return parse_declaration(p);
     return parse_expression_statement(p);
 }
@@ -395,58 +445,86 @@ static struct ast_statement *parse_statement(struct parser *p) {
 }
 
 static bool parse_shader_kind(struct parser *p, enum shader_kind *kind) {
-    switch (p->token.kind) {
-    case TOKEN_SURFACE:
-        *kind = SHADER_KIND_SURFACE;
-        return true;
-    case TOKEN_LIGHT:
-        *kind = SHADER_KIND_LIGHT;
-        return true;
-    case TOKEN_DISPLACEMENT:
-    case TOKEN_VOLUME:
-    case TOKEN_IMAGER:
-    case TOKEN_TRANSFORMATION:
-        compile_error(p->c, &p->token.at, "%s shaders are not supported", p->token.text);
+    static const struct {
+        int token;
+        enum shader_kind kind;
+    } kinds[] = {
+        {TOKEN_SURFACE, SHADER_KIND_SURFACE},
+        {TOKEN_LIGHT, SHADER_KIND_LIGHT},
+        {TOKEN_DISPLACEMENT, SHADER_KIND_DISPLACEMENT},
+        {TOKEN_VOLUME, SHADER_KIND_VOLUME},
+        {TOKEN_IMAGER, SHADER_KIND_IMAGER},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (kinds[i].token == p->token.kind) {
+            *kind = kinds[i].kind;
+            return true;
+        }
+    if (p->token.kind == TOKEN_TRANSFORMATION) {
+        compile_error(p->c, &p->token.at,
+                      "transformation shaders are not supported: geometry is transformed by the "
+                      "scene, before any shader runs");
         compilation_stop(p->c);
     }
     return false;
 }
 
-/* {[type] name formals body} ('surface' | 'light') name formals body {functions} */
+/* The name of a file without folders and ending. */
+static bool is_named_like_file(const char *name, const char *file) {
+    const char *slash = strrchr(file, '/'), *base = slash ? slash + 1 : file;
+    size_t length = strcspn(base, ".");
+    return strlen(name) == length && !memcmp(name, base, length);
+}
+
+/* Of several shaders in a file the one that is named like it counts, else the first. */
+static void add_shader(struct parser *p, struct ast_unit *unit, struct ast_function *shader,
+                       enum shader_kind kind) {
+    bool is_second = unit->shader != NULL;
+    if (!is_second || (!is_named_like_file(unit->shader->name, p->file) &&
+                       is_named_like_file(shader->name, p->file))) {
+        unit->shader = shader;
+        unit->kind = kind;
+    }
+    if (is_second)
+        compile_warning(p->c, &shader->at, "more than one shader in this file: %.64s is used",
+                        unit->shader->name);
+}
+
+/* [type] name formals body, or a stray ';' */
+static void parse_unit_function(struct parser *p, struct ast_function ***link, bool is_prelude) {
+    struct declaration d = {TYPE_FLOAT, STORAGE_UNSAID, false, false};
+    if (parser_accept(p, ';'))
+        return;
+    if (p->token.kind != TOKEN_IDENTIFIER || p->ahead.kind != '(')
+        parse_declaration_type(p, &d); /* RSL: else the result is a float */
+    if (p->is_panicking || p->ahead.kind != '(') {
+        parser_complain(p, &p->token.at, "expected a function or a shader");
+        return;
+    }
+    struct ast_function *function = parse_function(p, d.type, false);
+    function->is_prelude = is_prelude;
+    if (function->is_prototype)
+        return;
+    **link = function;
+    *link = &function->next;
+}
+
+/* {[type] name formals body} (kind name formals body) {functions} */
 struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text,
                             size_t length, bool is_prelude) {
-    struct parser parser = {.c = c}, *p = &parser;
+    struct parser parser = {.c = c, .file = file}, *p = &parser;
     struct ast_unit *unit = compilation_get(c, sizeof *unit);
     struct ast_function **link = &unit->functions;
     preprocess_start(&p->source, c, file, text, length);
     for (int i = 0; i < 3; i++)
         parser_advance(p);
     while (p->token.kind != TOKEN_END) {
-        enum shader_kind kind = SHADER_KIND_SURFACE;
+        enum shader_kind kind;
         if (parse_shader_kind(p, &kind)) {
-            if (unit->shader)
-                compile_limit(c, &p->token.at, "one shader per file; the first is %.64s",
-                              unit->shader->name);
             parser_advance(p);
-            unit->kind = kind;
-            unit->shader = parse_function(p, TYPE_VOID, true);
-        } else if (p->token.kind == TOKEN_IDENTIFIER && p->ahead.kind == '(') {
-            *link = parse_function(p, TYPE_FLOAT, false); /* RSL: the default result is a float */
-            link = &(*link)->next;
+            add_shader(p, unit, parse_function(p, TYPE_VOID, true), kind);
         } else {
-            struct declaration d = {TYPE_ERROR, STORAGE_UNSAID, false, false};
-            if (p->token.kind == ';') {
-                parser_advance(p);
-                continue;
-            }
-            parse_declaration_type(p, &d);
-            if (!p->is_panicking && p->ahead.kind == '(') {
-                *link = parse_function(p, d.type, false);
-                (*link)->is_prelude = is_prelude;
-                link = &(*link)->next;
-            } else {
-                parser_complain(p, &p->token.at, "expected a function or a shader");
-            }
+            parse_unit_function(p, &link, is_prelude);
         }
         if (p->is_panicking) {
             recover(p);
@@ -454,6 +532,6 @@ struct ast_unit *parse_unit(struct compilation *c, const char *file, const char 
         }
     }
     if (!unit->shader && !is_prelude && !c->error_count)
-        compile_error(c, &p->token.at, "there is no surface or light shader in this file");
+        compile_error(c, &p->token.at, "there is no shader in this file");
     return unit;
 }

@@ -9,6 +9,7 @@
  * nothing until parser_recover has found the end of a statement. */
 struct parser {
     struct compilation *c;
+    const char *file; /* that was opened first */
     struct preprocessor source;
     struct token token, ahead, second;
     int nesting;
@@ -23,6 +24,9 @@ void parser_complain(struct parser *p, const struct source_location *at, const c
 /* Every recursive function calls these in pairs; enter stops the compilation at NESTING_MAX. */
 void parser_enter(struct parser *p);
 void parser_leave(struct parser *p);
+/* Whether it may name something: an identifier, or a word that means something only at the start of
+ * a shader. */
+bool parser_is_name(int kind);
 bool parser_type(const struct parser *p, int kind, enum ast_type *type);
 
 struct ast_expression *parse_expression(struct parser *p);

@@ -10,12 +10,19 @@
 enum { WORK_BYTES_MAX = 176 << 20, PROGRAM_BYTES_MAX = 80 << 20 };
 
 int shader_type_components(enum shader_type type) {
-    return type == SHADER_FLOAT || type == SHADER_STRING ? 1 : 3;
+    return type == SHADER_FLOAT || type == SHADER_STRING ? 1 : type == SHADER_MATRIX ? 16 : 3;
 }
 
 const char *shader_type_name(enum shader_type type) {
-    static const char *const names[] = {"float", "color", "point", "vector", "normal", "string"};
+    static const char *const names[] = {"float",  "color",  "point", "vector",
+                                        "normal", "string", "matrix"};
     return names[type];
+}
+
+const char *shader_kind_name(enum shader_kind kind) {
+    static const char *const names[SHADER_KIND_COUNT] = {"surface", "light", "displacement",
+                                                         "volume", "imager"};
+    return names[kind];
 }
 
 static void stop_on_errors(struct compilation *c) {
@@ -46,18 +53,57 @@ static void finish_program(struct compilation *c, const struct ir_program *ir) {
                (size_t)c->warning_count * sizeof *program->warnings);
 }
 
+static struct checked_unit read_shader(struct compilation *c, const char *file, const char *text,
+                                       size_t length) {
+    struct checked_unit checked;
+    checked.prelude =
+        parse_unit(c, "(standard functions)", prelude_text, strlen(prelude_text), true);
+    checked.unit = parse_unit(c, file, text, length, false);
+    if (!checked.unit->shader)
+        compilation_stop(c);
+    checked.symbols = check_unit(c, checked.unit, checked.prelude);
+    stop_on_errors(c);
+    return checked;
+}
+
+/* A shader that runs before or after the main one. */
+static void read_companion(struct compilation *c, const struct shader_source *source,
+                           enum shader_kind kind, struct checked_unit *units, int *count) {
+    if (!source)
+        return;
+    if (source->length > SOURCE_BYTES_MAX)
+        compile_limit(c, NULL, "%.200s: a shader is at most %d bytes long", source->file,
+                      SOURCE_BYTES_MAX);
+    char *text = compilation_copy(c, source->text, source->length);
+    char *file = compilation_copy(c, source->file, strlen(source->file));
+    units[*count] = read_shader(c, file, text, source->length);
+    const struct ast_unit *unit = units[*count].unit;
+    if (unit->kind != kind)
+        compile_error(c, &unit->shader->at, "%.64s is a %s shader, and is used as %s shader",
+                      unit->shader->name, shader_kind_name(unit->kind), shader_kind_name(kind));
+    stop_on_errors(c);
+    ++*count;
+}
+
 /* The pipeline. */
 static void run_passes(struct compilation *c, const char *file, const char *text, size_t length) {
-    struct ast_unit *prelude =
-        parse_unit(c, "(standard functions)", prelude_text, strlen(prelude_text), true);
-    struct ast_unit *unit = parse_unit(c, file, text, length, false);
-    if (!unit->shader)
-        compilation_stop(c);
-    struct ast_symbol **symbols = check_unit(c, unit, prelude);
+    const struct shader_compile_options *options = c->options;
+    struct checked_unit units[3];
+    int count = 0, main;
+    if (options)
+        read_companion(c, options->displacement, SHADER_KIND_DISPLACEMENT, units, &count);
+    units[main = count++] = read_shader(c, file, text, length);
+    const struct ast_unit *unit = units[main].unit;
+    if (options && (options->displacement || options->atmosphere) &&
+        unit->kind != SHADER_KIND_SURFACE)
+        compile_error(c, &unit->shader->at,
+                      "only a surface shader goes with displacement or volume shaders");
     stop_on_errors(c);
+    if (options)
+        read_companion(c, options->atmosphere, SHADER_KIND_VOLUME, units, &count);
     c->program->name =
         arena_copy_string(&c->program->arena, unit->shader->name, strlen(unit->shader->name));
-    struct ir_program *ir = lower_unit(c, unit, prelude, symbols);
+    struct ir_program *ir = lower_units(c, units, count, main);
     stop_on_errors(c);
     ir_validate(ir, "lowering", false);
     pass_propagate_copies(ir);

@@ -18,9 +18,19 @@ enum shader_type {
     SHADER_POINT,
     SHADER_VECTOR,
     SHADER_NORMAL,
-    SHADER_STRING
+    SHADER_STRING,
+    SHADER_MATRIX
 };
-enum shader_kind { SHADER_KIND_SURFACE, SHADER_KIND_LIGHT };
+/* In the order of the words of the language. */
+enum shader_kind {
+    SHADER_KIND_SURFACE,
+    SHADER_KIND_LIGHT,
+    SHADER_KIND_DISPLACEMENT,
+    SHADER_KIND_VOLUME,
+    SHADER_KIND_IMAGER,
+    SHADER_KIND_COUNT
+};
+const char *shader_kind_name(enum shader_kind kind);
 
 /* Floats of one value of a type; a string counts as one (its identity number). */
 int shader_type_components(enum shader_type type);
@@ -30,11 +40,13 @@ const char *shader_type_name(enum shader_type type);
 struct shader_parameter {
     const char *name;
     enum shader_type type;
-    int array_length; /* 0: not an array */
-    int components;   /* floats in all */
-    bool is_global;   /* a predefined variable */
-    bool is_varying;  /* declared varying, promoted by shader_compile_options.material, or a varying
-                         global */
+    int array_length;        /* 0: not an array */
+    int components;          /* floats in all */
+    enum shader_kind shader; /* whose parameter it is */
+    bool is_output;
+    bool is_global;  /* a predefined variable */
+    bool is_varying; /* declared varying, promoted by shader_compile_options.material, or a varying
+                        global */
     bool is_uniform_declared; /* says `uniform` in so many words: cannot become material */
     bool is_live;             /* can reach the result */
     bool is_material; /* in the transfer map: live, varying and per sample in this variant */
@@ -44,7 +56,15 @@ struct shader_parameter {
     int line, column;
 };
 
+struct shader_source {
+    const char *file, *text;
+    size_t length;
+};
+
 struct shader_compile_options {
+    /* Shaders that run on the same samples before and after a surface shader, compiled with it into
+     * one: P, N and all other predefined variables go from one to the next. NULL: none. */
+    const struct shader_source *displacement, *atmosphere;
     /* Parameters that come with the primitives in this variant of the shader, by name; everything
      * else is bound to the instance. Cs and Os are named here when they vary; N, Ng, s, t, u, v,
      * dPdu, dPdv are always material; P, I, E are rebuilt from depth and never are. */

@@ -118,6 +118,7 @@ static void wrong_files_are_refused_by_name(void **state) {
         {"\"source\": \"published: PF section 5.2, 32 bits\"", "\"x\": 1", "geometry_word_bytes"},
         {"\"region_height\"", "\"region_width\"", "twice"},
         {"\"parameters\": {", "\"parameters\": [", "m.json:"},
+        {"\"value\": 128,", "\"value\": 127,", "region_width"},
         {"\"name\": \"PixelFlow\"", "\"name\": 3", "name"},
         /* a rate with no common tick */
         {"\"value\": 6400000000", "\"value\": 999999999999989", "tick"},

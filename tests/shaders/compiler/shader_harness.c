@@ -117,19 +117,36 @@ void harness_bind_string(struct harness *h, const char *name, const char *text) 
     harness_bind(h, name, &bits);
 }
 
+/* The samples of a shader that asks about neighbours are quads side by side. */
+static int column_of(const struct harness *h, int i) {
+    return h->module->uses_neighbours ? i / 4 * 2 + (i & 1) : i;
+}
+
+static int row_of(const struct harness *h, int i) {
+    return h->module->uses_neighbours ? i >> 1 & 1 : 0;
+}
+
+static float material_of(const struct harness *h, const struct shader_parameter *parameter, int c,
+                         int i) {
+    bool is_quad = h->module->uses_neighbours;
+    float value = (float)(i + 100 * c);
+    if (!parameter->is_global)
+        return value;
+    if (parameter->type == SHADER_NORMAL)
+        return c == 2 ? -1 : 0;
+    if (is_quad && (!strcmp(parameter->name, "s") || !strcmp(parameter->name, "u")))
+        return (float)column_of(h, i);
+    if (is_quad && (!strcmp(parameter->name, "t") || !strcmp(parameter->name, "v")))
+        return 0.5f + (float)row_of(h, i);
+    return !strcmp(parameter->name, "t") ? 0.5f : value;
+}
+
 static void set_material(struct harness *h, float (*planes)[HARNESS_SAMPLES]) {
     for (int p = 0; p < h->program->parameter_count; p++) {
         const struct shader_parameter *parameter = &h->program->parameters[p];
         for (int c = 0; parameter->is_material && c < parameter->components; c++)
-            for (int i = 0; i < HARNESS_SAMPLES; i++) {
-                float value = (float)(i + 100 * c);
-                if (parameter->is_global &&
-                    (!strcmp(parameter->name, "N") || !strcmp(parameter->name, "Ng")))
-                    value = c == 2 ? -1 : 0;
-                if (parameter->is_global && !strcmp(parameter->name, "t"))
-                    value = 0.5f;
-                planes[parameter->map_offset + c][i] = value;
-            }
+            for (int i = 0; i < HARNESS_SAMPLES; i++)
+                planes[parameter->map_offset + c][i] = material_of(h, parameter, c, i);
     }
 }
 
@@ -138,6 +155,7 @@ void harness_run(struct harness *h, struct harness *const *lights, int light_cou
     static _Alignas(64) float planes[64][HARNESS_SAMPLES], position[3][HARNESS_SAMPLES],
         incident[3][HARNESS_SAMPLES], color[3][HARNESS_SAMPLES], opacity[3][HARNESS_SAMPLES],
         scratch[8 * 7 * HARNESS_SAMPLES];
+    static _Alignas(64) int32_t present[HARNESS_SAMPLES];
     const float *material[64];
     struct shader_light light_table[8];
     seen_count = 0;
@@ -145,8 +163,9 @@ void harness_run(struct harness *h, struct harness *const *lights, int light_cou
     for (int i = 0; i < 64; i++)
         material[i] = planes[i];
     for (int i = 0; i < HARNESS_SAMPLES; i++) {
-        position[0][i] = (float)i;
-        position[1][i] = 2;
+        position[0][i] = (float)column_of(h, i);
+        position[1][i] = 2 + (float)row_of(h, i);
+        present[i] = h->absent >> i & 1 ? 0 : -1;
         position[2][i] = 3;
         incident[2][i] = 1;
     }
@@ -161,6 +180,7 @@ void harness_run(struct harness *h, struct harness *const *lights, int light_cou
                                .material = material,
                                .position = {position[0], position[1], position[2]},
                                .incident = {incident[0], incident[1], incident[2]},
+                               .present = present,
                                .uniform = h->uniform,
                                .matrices = &h->matrices,
                                .lights = light_table,
@@ -171,6 +191,7 @@ void harness_run(struct harness *h, struct harness *const *lights, int light_cou
                                .opacity = {opacity[0], opacity[1], opacity[2]}};
     h->module->shade(&call);
     memcpy(result->color, color, sizeof color);
+    memcpy(result->opacity, opacity, sizeof opacity);
     result->overrun = call.overrun;
 }
 

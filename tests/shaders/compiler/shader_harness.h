@@ -20,12 +20,14 @@ struct harness {
     struct shader_matrices matrices;
     struct shader_counters counters;
     uint64_t executions[HARNESS_BLOCKS];
+    uint32_t absent; /* bit i: lane i is no sample, for shaders that ask about neighbours */
 };
 
 /* What run() shades: sample i has s = i, t = 0.5, P = (i, 2, 3), I = (0, 0, 1), N = (0, 0, -1);
- * other material parameters are i + 100 * component. */
+ * other material parameters are i + 100 * component. For a shader that asks about neighbours the
+ * samples are quads side by side: s = u = column, t = v = 0.5 + row, P = (column, 2 + row, 3). */
 struct harness_result {
-    float color[3][HARNESS_SAMPLES];
+    float color[3][HARNESS_SAMPLES], opacity[3][HARNESS_SAMPLES];
     int overrun;
 };
 

@@ -27,15 +27,34 @@ static const struct {
      "test.sl:1:20: error: there is no function 'normalise'; did you mean 'normalize'?\n"
      "surface a() { Ci = normalise(N); }\n"
      "                   ^"},
-    {"surface a() { Ci = area(P); }",
-     "test.sl:1:20: error: area() is not supported: it needs derivatives\n"
-     "surface a() { Ci = area(P); }\n"
+    {"float dark() { return occlusion(P, N, 16); }\nsurface a() { Ci = 1; }", NULL},
+    {"float dark() { return occlusion(P, N, 16); }\nsurface a() { Ci = dark(); }",
+     "test.sl:1:23: error: occlusion() is not supported: it needs ray tracing, and samples are "
+     "shaded after all other geometry is gone\n"
+     "float dark() { return occlusion(P, N, 16); }\n"
+     "                      ^"},
+    {"surface a() { gather (\"illuminance\", P, N, PI, 4) Ci += 1; else Ci = 0; }",
+     "test.sl:1:15: error: gather() is not supported: it needs ray tracing, and samples are shaded "
+     "after all other geometry is gone\n"
+     "surface a() { gather (\"illuminance\", P, N, PI, 4) Ci += 1; else Ci = 0; }\n"
+     "              ^"},
+    {"surface a() { float x[2], y[3]; x = y; Ci = x[0]; }",
+     "test.sl:1:35: error: an array is assigned element by element, or from one of the same type "
+     "and "
+     "length\n"
+     "surface a() { float x[2], y[3]; x = y; Ci = x[0]; }\n"
+     "                                  ^"},
+    {"displacement a() { Ci = 1; }",
+     "test.sl:1:20: error: Ci has no value in displacement shaders\n"
+     "displacement a() { Ci = 1; }\n"
      "                   ^"},
-    {"surface a(matrix m = 1;) { matrix n[2]; }",
-     "test.sl:1:18: error: a matrix cannot be a parameter of a shader\n"
-     "surface a(matrix m = 1;) { matrix n[2]; }\n                 ^\n"
-     "test.sl:1:35: error: arrays of matrices are not supported\n"
-     "surface a(matrix m = 1;) { matrix n[2]; }\n                                  ^"},
+    {"displacement a() { illuminance (P) P += 1; }",
+     "test.sl:1:20: error: illuminance belongs into a surface shader\n"
+     "displacement a() { illuminance (P) P += 1; }\n"
+     "                   ^"},
+    {"transformation a() { }",
+     "test.sl:1:1: error: transformation shaders are not supported: geometry is transformed by the "
+     "scene, before any shader runs\ntransformation a() { }\n^"},
     {"surface a() { matrix m = 1; Ci = xcomp(P * m); }",
      "test.sl:1:42: error: '*' does not work between point and matrix\n"
      "surface a() { matrix m = 1; Ci = xcomp(P * m); }\n"
@@ -82,12 +101,9 @@ static const struct {
     {"surface a() { break; }",
      "test.sl:1:15: error: this is not inside a loop\nsurface a() { break; }\n"
      "              ^"},
-    {"surface a(float k = 1;) { k = 2; Ci = k; }",
-     "test.sl:1:27: error: 'k' is a parameter of the shader and cannot be changed\n"
-     "surface a(float k = 1;) { k = 2; Ci = k; }\n                          ^"},
-    {"", "test.sl:1:1: error: there is no surface or light shader in this file\n\n^"},
-    {"displacement a() { }",
-     "test.sl:1:1: error: displacement shaders are not supported\ndisplacement a() { }\n^"},
+    {"surface a(float k = 1;) { k = 2; Ci = k; }", NULL},
+    {"displacement a(float k = 1;) { P += k; }", NULL},
+    {"", "test.sl:1:1: error: there is no shader in this file\n\n^"},
     {"surface a() { Ci = Cl; }",
      "test.sl:1:20: error: Cl has a value only inside illuminance\nsurface a() { Ci = Cl; }\n"
      "                   ^"},

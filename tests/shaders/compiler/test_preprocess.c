@@ -65,16 +65,20 @@ static void a_macro_is_what_it_stands_for(void **state) {
     assert_same("#define s (s + 1)\n#define f(x) g(x)\n#define g(x) f(x)\n"
                 "float f(float x) { return x; }\nsurface a() { Ci = f(s); }",
                 "float f(float x) { return x; }\nsurface a() { Ci = f((s + 1)); }");
-    assert_same("#define PASTE(a, b) a ## b\n#define TURN 7\n#define SHOW(x) #x\n"
-                "#define LATER(a, b) PASTE(a, b)\n#define ONE a\n"
-                "surface a(string a1 = SHOW(TURN + \"x\"); string a = \"\";) { float TURNS = 2, PASTE(T, URNED) = 3;\n"
-                "  Ci = PASTE(TURN, S) * PASTE(1, 2) * (a1 == SHOW(b  c) ? 1 : LATER(ONE, ) == \"\" ? 2 "
-                ": 3); }",
-                "surface a(string a1 = \"TURN + \\\"x\\\"\"; string a = \"\";) { float TURNS = 2, TURNED = 3;\n"
-                "  Ci = TURNS * 12 * (a1 == \"b c\" ? 1 : a == \"\" ? 2 : 3); }");
-    assert_same("#define HERE __LINE__\n\nsurface a() {\n  Ci = (\"test.sl\" == __FILE__ ? 1 : 0) + "
-                "HERE; }",
-                "surface a() {\n  Ci = (\"test.sl\" == \"test.sl\" ? 1 : 0) + 4; }");
+    assert_same(
+        "#define PASTE(a, b) a ## b\n#define TURN 7\n#define SHOW(x) #x\n"
+        "#define LATER(a, b) PASTE(a, b)\n#define ONE a\n"
+        "surface a(string a1 = SHOW(TURN + \"x\"); string a = \"\";) { float TURNS = 2, PASTE(T, "
+        "URNED) = 3;\n"
+        "  Ci = PASTE(TURN, S) * PASTE(1, 2) * (a1 == SHOW(b  c) ? 1 : LATER(ONE, ) == \"\" ? 2 "
+        ": 3); }",
+        "surface a(string a1 = \"TURN + \\\"x\\\"\"; string a = \"\";) { float TURNS = 2, TURNED = "
+        "3;\n"
+        "  Ci = TURNS * 12 * (a1 == \"b c\" ? 1 : a == \"\" ? 2 : 3); }");
+    assert_same(
+        "#define HERE __LINE__\n\nsurface a() {\n  Ci = (\"test.sl\" == __FILE__ ? 1 : 0) + "
+        "HERE; }",
+        "surface a() {\n  Ci = (\"test.sl\" == \"test.sl\" ? 1 : 0) + 4; }");
     assert_same("#define K 1\n#undef K\n#define K 2\n#define K 2\n#pragma nolint 'x\n"
                 "surface a() { Ci = K\n; }",
                 "surface a() { Ci = 2; }");
