@@ -26,9 +26,13 @@ static const char compare_help[] =
     "\n"
     "thresholds:\n"
     "  --max-error E       largest absolute difference of any sample of a float channel\n"
+    "  --max-mean E        largest mean absolute difference over all float channels\n"
+    "  --max-rmse E        largest root mean square difference over all float channels\n"
     "  --min-psnr DB       smallest peak signal-to-noise ratio, peak 1, over all float channels\n"
     "  --max-flip F        largest mean of FLIP, the visible difference (0 to 1)\n"
     "  --max-flip-pixel F  largest FLIP of any pixel (0 to 1)\n"
+    "  --max-over-1 SHARE  largest share of samples that differ by more than 1/255 (0 to 1)\n"
+    "  --max-over-2 SHARE  largest share of samples that differ by more than 2/255 (0 to 1)\n"
     "\n"
     "output:\n"
     "  --json FILE         write the measures as JSON; - writes them to standard output, alone\n"
@@ -52,20 +56,46 @@ static const char compare_help[] =
     "exit status: 0 equal or within the thresholds, 1 different, over a threshold or not finite,\n"
     "2 trouble (a file that cannot be read or written, images that cannot be compared).\n";
 
+/* X(NAME, option, smallest and largest value, how messages call the measure, whether it is of FLIP)
+ */
+#define COMPARE_THRESHOLDS(X)                                                                      \
+    X(MAX_ERROR, "max-error", 0, 1e300, "max_error", false)                                        \
+    X(MAX_MEAN, "max-mean", 0, 1e300, "mean_error", false)                                         \
+    X(MAX_RMSE, "max-rmse", 0, 1e300, "rmse", false)                                               \
+    X(MIN_PSNR, "min-psnr", -1000, 1000, "psnr_db", false)                                         \
+    X(MAX_FLIP, "max-flip", 0, 1, "the mean of FLIP", true)                                        \
+    X(MAX_FLIP_PIXEL, "max-flip-pixel", 0, 1, "the largest FLIP", true)                            \
+    X(MAX_OVER_1, "max-over-1", 0, 1, "the share over 1/255", false)                               \
+    X(MAX_OVER_2, "max-over-2", 0, 1, "the share over 2/255", false)
+
+enum compare_threshold {
+#define COMPARE_ENUM(name, option, low, high, text, flip) THRESHOLD_##name,
+    COMPARE_THRESHOLDS(COMPARE_ENUM)
+#undef COMPARE_ENUM
+        THRESHOLD_COUNT
+};
+
+static const struct {
+    double low, high;
+    const char *text;
+    bool is_flip;
+} compare_thresholds[THRESHOLD_COUNT] = {
+#define COMPARE_ENTRY(name, option, low, high, text, flip) {low, high, text, flip},
+    COMPARE_THRESHOLDS(COMPARE_ENTRY)
+#undef COMPARE_ENTRY
+};
+
 struct compare_command {
     const char *paths[2];
     const char *json, *difference, *flip_map, *only;
-    double max_error, min_psnr, max_flip, max_flip_pixel; /* NAN: not given */
+    double thresholds[THRESHOLD_COUNT]; /* NAN: not given */
     double pixels_per_degree;
     bool quiet, help;
 };
 
 enum compare_option {
-    OPTION_MAX_ERROR = 256,
-    OPTION_MIN_PSNR,
-    OPTION_MAX_FLIP,
-    OPTION_MAX_FLIP_PIXEL,
-    OPTION_JSON,
+    OPTION_THRESHOLD = 256, /* and those after it, one for each threshold */
+    OPTION_JSON = OPTION_THRESHOLD + THRESHOLD_COUNT,
     OPTION_DIFFERENCE,
     OPTION_FLIP_MAP,
     OPTION_ONLY,
@@ -73,11 +103,11 @@ enum compare_option {
 };
 
 static const struct option compare_options[] = {
-    {"max-error", required_argument, NULL, OPTION_MAX_ERROR},
-    {"min-psnr", required_argument, NULL, OPTION_MIN_PSNR},
-    {"max-flip", required_argument, NULL, OPTION_MAX_FLIP},
-    {"max-flip-pixel", required_argument, NULL, OPTION_MAX_FLIP_PIXEL},
-    {"json", required_argument, NULL, OPTION_JSON},
+#define COMPARE_OPTION(name, option, low, high, text, flip)                                        \
+    {option, required_argument, NULL, OPTION_THRESHOLD + THRESHOLD_##name},
+    COMPARE_THRESHOLDS(COMPARE_OPTION)
+#undef COMPARE_OPTION
+        {"json", required_argument, NULL, OPTION_JSON},
     {"difference", required_argument, NULL, OPTION_DIFFERENCE},
     {"flip-map", required_argument, NULL, OPTION_FLIP_MAP},
     {"only", required_argument, NULL, OPTION_ONLY},
@@ -111,15 +141,12 @@ static bool compare_image_name(const char *name, const char *path, struct status
 
 static bool compare_option(struct compare_command *command, int option, const char *name,
                            const char *argument, struct status *status) {
+    const int threshold = option - OPTION_THRESHOLD;
+    if (threshold >= 0 && threshold < THRESHOLD_COUNT)
+        return compare_number(name, argument, compare_thresholds[threshold].low,
+                              compare_thresholds[threshold].high, &command->thresholds[threshold],
+                              status);
     switch (option) {
-    case OPTION_MAX_ERROR:
-        return compare_number(name, argument, 0, 1e300, &command->max_error, status);
-    case OPTION_MIN_PSNR:
-        return compare_number(name, argument, -1000, 1000, &command->min_psnr, status);
-    case OPTION_MAX_FLIP:
-        return compare_number(name, argument, 0, 1, &command->max_flip, status);
-    case OPTION_MAX_FLIP_PIXEL:
-        return compare_number(name, argument, 0, 1, &command->max_flip_pixel, status);
     case OPTION_PIXELS_PER_DEGREE:
         return compare_number(name, argument, 1, FLIP_PIXELS_PER_DEGREE_MAX,
                               &command->pixels_per_degree, status);
@@ -146,8 +173,9 @@ static bool compare_option(struct compare_command *command, int option, const ch
 
 static bool compare_parse(int argc, char **argv, struct compare_command *command,
                           struct status *status) {
-    *command = (struct compare_command){
-        .max_error = NAN, .min_psnr = NAN, .max_flip = NAN, .max_flip_pixel = NAN};
+    *command = (struct compare_command){0};
+    for (int i = 0; i < THRESHOLD_COUNT; i++)
+        command->thresholds[i] = NAN;
     optind = 0;
     opterr = 0;
     for (;;) {
@@ -175,6 +203,50 @@ static bool compare_parse(int argc, char **argv, struct compare_command *command
     return true;
 }
 
+static double compare_measure(const struct image_difference *difference,
+                              enum compare_threshold threshold) {
+    const struct image_measures *all = &difference->overall;
+    switch (threshold) {
+    case THRESHOLD_MAX_ERROR:
+        return all->max_error;
+    case THRESHOLD_MAX_MEAN:
+        return all->mean_error;
+    case THRESHOLD_MAX_RMSE:
+        return all->rmse;
+    case THRESHOLD_MIN_PSNR:
+        return all->psnr_db;
+    case THRESHOLD_MAX_FLIP:
+        return difference->flip.mean;
+    case THRESHOLD_MAX_FLIP_PIXEL:
+        return difference->flip.max;
+    case THRESHOLD_MAX_OVER_1:
+        return all->over_1_255;
+    default:
+        return all->over_2_255;
+    }
+}
+
+/* The first threshold that does not hold, or THRESHOLD_COUNT. */
+static enum compare_threshold compare_broken(const struct compare_command *command,
+                                             const struct image_difference *difference) {
+    int i = 0;
+    for (; i < THRESHOLD_COUNT; i++) {
+        const double measure = compare_measure(difference, (enum compare_threshold)i);
+        if (i == THRESHOLD_MIN_PSNR ? measure < command->thresholds[i]
+                                    : measure > command->thresholds[i])
+            break;
+    }
+    return (enum compare_threshold)i;
+}
+
+/* Whether a threshold is given, of any kind or of FLIP. */
+static bool compare_has_threshold(const struct compare_command *command, bool of_flip) {
+    for (int i = 0; i < THRESHOLD_COUNT; i++)
+        if (!isnan(command->thresholds[i]) && (!of_flip || compare_thresholds[i].is_flip))
+            return true;
+    return false;
+}
+
 /* The verdict, and in `text` the sentence after it; a zero error is written "max_error 0" and no
  * other is. */
 static int compare_judge(const struct compare_command *command,
@@ -191,8 +263,7 @@ static int compare_judge(const struct compare_command *command,
                  nan, infinite);
         return EXIT_DIFFERENT;
     }
-    bool thresholds = !isnan(command->max_error) || !isnan(command->min_psnr) ||
-                      !isnan(command->max_flip) || !isnan(command->max_flip_pixel);
+    const bool thresholds = compare_has_threshold(command, false);
     if (image_difference_identical(difference)) {
         *verdict = "equal";
         snprintf(text, size, "max_error 0, %d x %d pixels, %d channel%s", difference->width,
@@ -210,22 +281,17 @@ static int compare_judge(const struct compare_command *command,
             snprintf(text, size, "%" PRIu64 " zeros differ in sign", all->differing);
         return EXIT_DIFFERENT;
     }
-    if (all->max_error > command->max_error)
-        snprintf(text, size, "max_error %s is over %g", error, command->max_error);
-    else if (all->psnr_db < command->min_psnr)
-        snprintf(text, size, "psnr_db %.4f is under %g", all->psnr_db, command->min_psnr);
-    else if (difference->flip.mean > command->max_flip)
-        snprintf(text, size, "the mean of FLIP %.6e is over %g", difference->flip.mean,
-                 command->max_flip);
-    else if (difference->flip.max > command->max_flip_pixel)
-        snprintf(text, size, "the largest FLIP %.6e is over %g", difference->flip.max,
-                 command->max_flip_pixel);
-    else {
-        *verdict = thresholds ? "within thresholds" : "different";
-        snprintf(text, size, "max_error %s, psnr_db %.2f", error, all->psnr_db);
-        return thresholds ? EXIT_EQUAL : EXIT_DIFFERENT;
+    const enum compare_threshold broken = compare_broken(command, difference);
+    if (broken != THRESHOLD_COUNT) {
+        snprintf(text, size,
+                 broken == THRESHOLD_MIN_PSNR ? "%s %.4f is under %g" : "%s %.6e is over %g",
+                 compare_thresholds[broken].text, compare_measure(difference, broken),
+                 command->thresholds[broken]);
+        return EXIT_DIFFERENT;
     }
-    return EXIT_DIFFERENT;
+    *verdict = thresholds ? "within thresholds" : "different";
+    snprintf(text, size, "max_error %s, psnr_db %.2f", error, all->psnr_db);
+    return thresholds ? EXIT_EQUAL : EXIT_DIFFERENT;
 }
 
 static void compare_print(const struct image_difference *difference, int result,
@@ -295,14 +361,14 @@ static bool compare_write(const struct compare_command *command, struct image *c
 static int compare_run(const struct compare_command *command, struct image *images[2],
                        struct image_difference *difference, struct status *status) {
     struct image_compare_options options = {.only = command->only,
-                                            .pixels_per_degree = command->pixels_per_degree};
+                                            .pixels_per_degree = command->pixels_per_degree,
+                                            .channel_perception = command->json != NULL};
     for (int i = 0; i < 2; i++)
         if (!image_read(command->paths[i], &images[i], status))
             return EXIT_TROUBLE;
     if (!image_compare(images[0], images[1], &options, difference, status))
         return EXIT_TROUBLE;
-    bool wants_flip =
-        !isnan(command->max_flip) || !isnan(command->max_flip_pixel) || command->flip_map;
+    const bool wants_flip = compare_has_threshold(command, true) || command->flip_map;
     if (wants_flip && !difference->has_color) {
         status_fail(status, STATUS_INVALID, "FLIP needs channels R, G and B in both images");
         return EXIT_TROUBLE;

@@ -35,6 +35,20 @@ static void report_json_measures(cJSON *to, const struct image_measures *measure
     cJSON_AddNumberToObject(to, "differing", (double)measures->differing);
 }
 
+static void report_json_perception(cJSON *to, bool is_there, double ssim,
+                                   const struct flip_summary *flip) {
+    if (!is_there) {
+        cJSON_AddNullToObject(to, "ssim");
+        cJSON_AddNullToObject(to, "flip");
+        return;
+    }
+    cJSON_AddNumberToObject(to, "ssim", ssim);
+    cJSON *object = cJSON_AddObjectToObject(to, "flip");
+    cJSON_AddNumberToObject(object, "mean", flip->mean);
+    cJSON_AddNumberToObject(object, "weighted_median", flip->weighted_median);
+    cJSON_AddNumberToObject(object, "max", flip->max);
+}
+
 struct cJSON *image_difference_json(const struct image_difference *difference) {
     cJSON *json = cJSON_CreateObject();
     cJSON_AddNumberToObject(json, "width", difference->width);
@@ -42,21 +56,14 @@ struct cJSON *image_difference_json(const struct image_difference *difference) {
     report_json_measures(json, &difference->overall);
     cJSON_AddNumberToObject(json, "integer_channels_differing",
                             difference->integer_channels_differing);
-    if (difference->has_color) {
-        cJSON_AddNumberToObject(json, "ssim", difference->ssim);
-        cJSON *flip = cJSON_AddObjectToObject(json, "flip");
-        cJSON_AddNumberToObject(flip, "mean", difference->flip.mean);
-        cJSON_AddNumberToObject(flip, "weighted_median", difference->flip.weighted_median);
-        cJSON_AddNumberToObject(flip, "max", difference->flip.max);
-    } else {
-        cJSON_AddNullToObject(json, "ssim");
-        cJSON_AddNullToObject(json, "flip");
-    }
+    report_json_perception(json, difference->has_color, difference->ssim, &difference->flip);
     cJSON *channels = cJSON_AddObjectToObject(json, "channels");
     for (int i = 0; i < difference->channel_count; i++) {
         cJSON *channel = cJSON_AddObjectToObject(channels, difference->channels[i].name);
         cJSON_AddBoolToObject(channel, "integer", difference->channels[i].integer);
         report_json_measures(channel, &difference->channels[i].measures);
+        report_json_perception(channel, difference->channels[i].has_perception,
+                               difference->channels[i].ssim, &difference->channels[i].flip);
     }
     return json;
 }

@@ -9,17 +9,29 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A sum with what rounding lost so far (Neumaier): the error stays below 2^-52 of the sum of
+ * magnitudes however many terms there are. */
+struct image_sum {
+    double sum, lost;
+};
+
+static void image_sum_add(struct image_sum *to, double term) {
+    const double sum = to->sum + term;
+    to->lost += fabs(to->sum) >= fabs(term) ? (to->sum - sum) + term : (term - sum) + to->sum;
+    to->sum = sum;
+}
+
 /* Sums from which measures are made, so that channels can be joined. */
 struct image_sums {
     struct image_measures measures;
     uint64_t finite, over1, over2;
-    double absolute, squared;
+    struct image_sum absolute, squared;
 };
 
 static void image_sums_add_error(struct image_sums *sums, double error) {
     sums->finite++;
-    sums->absolute += error;
-    sums->squared += error * error;
+    image_sum_add(&sums->absolute, error);
+    image_sum_add(&sums->squared, error * error);
     if (error > sums->measures.max_error)
         sums->measures.max_error = error;
     sums->over1 += error > 1 / 255.0;
@@ -62,16 +74,20 @@ static void image_sums_join(struct image_sums *sums, const struct image_sums *mo
     sums->finite += more->finite;
     sums->over1 += more->over1;
     sums->over2 += more->over2;
-    sums->absolute += more->absolute;
-    sums->squared += more->squared;
+    image_sum_add(&sums->absolute, more->absolute.sum);
+    image_sum_add(&sums->absolute, more->absolute.lost);
+    image_sum_add(&sums->squared, more->squared.sum);
+    image_sum_add(&sums->squared, more->squared.lost);
 }
 
 static void image_sums_finish(const struct image_sums *sums, struct image_measures *measures) {
     *measures = sums->measures;
     double count = sums->finite ? (double)sums->finite : 1;
-    measures->mean_error = sums->absolute / count;
-    measures->rmse = sqrt(sums->squared / count);
-    measures->psnr_db = sums->squared > 0 ? -20 * log10(measures->rmse) : INFINITY;
+    const double absolute = sums->absolute.sum + sums->absolute.lost,
+                 squared = sums->squared.sum + sums->squared.lost;
+    measures->mean_error = absolute / count;
+    measures->rmse = sqrt(squared / count);
+    measures->psnr_db = squared > 0 ? -20 * log10(measures->rmse) : INFINITY;
     measures->over_1_255 = (double)sums->over1 / count;
     measures->over_2_255 = (double)sums->over2 / count;
 }
@@ -148,6 +164,37 @@ static bool image_colors(const struct image *image, const char *only, const floa
     return true;
 }
 
+static struct image_channel_difference *image_find_difference(struct image_difference *difference,
+                                                              const char *name) {
+    for (int i = 0; i < difference->channel_count; i++)
+        if (strcmp(difference->channels[i].name, name) == 0)
+            return &difference->channels[i];
+    return NULL;
+}
+
+/* SSIM and FLIP of R, G and B each, as grey pictures. */
+static bool image_compare_channels(const float *const a[3], const float *const b[3],
+                                   double pixels_per_degree, struct image_difference *difference,
+                                   struct status *status) {
+    static const char names[3][2] = {"R", "G", "B"};
+    const int width = difference->width, height = difference->height;
+    const size_t count = (size_t)width * (size_t)height;
+    float *map = memory_try(count, sizeof(float), status);
+    bool ok = map != NULL;
+    for (int c = 0; ok && c < 3; c++) {
+        struct image_channel_difference *channel = image_find_difference(difference, names[c]);
+        const float *const grey_a[3] = {a[c], a[c], a[c]}, *const grey_b[3] = {b[c], b[c], b[c]};
+        channel->has_perception = true;
+        channel->ssim = 1;
+        if (memcmp(a[c], b[c], count * sizeof(float)))
+            ok = ssim_compare(grey_a, grey_b, width, height, &channel->ssim, status) &&
+                 flip_compare(grey_a, grey_b, width, height, pixels_per_degree, map, &channel->flip,
+                              status);
+    }
+    free(map);
+    return ok;
+}
+
 static bool image_compare_perception(const struct image *first, const struct image *second,
                                      const struct image_compare_options *options,
                                      struct image_difference *difference, struct status *status) {
@@ -164,13 +211,14 @@ static bool image_compare_perception(const struct image *first, const struct ima
     bool equal = true;
     for (int c = 0; c < 3; c++)
         equal = equal && memcmp(a[c], b[c], count * sizeof(float)) == 0;
-    if (equal)
-        return true;
     double pixels_per_degree =
         options->pixels_per_degree != 0 ? options->pixels_per_degree : FLIP_PIXELS_PER_DEGREE;
-    return ssim_compare(a, b, first->width, first->height, &difference->ssim, status) &&
-           flip_compare(a, b, first->width, first->height, pixels_per_degree, difference->flip_map,
-                        &difference->flip, status);
+    if (options->channel_perception &&
+        !image_compare_channels(a, b, pixels_per_degree, difference, status))
+        return false;
+    return equal || (ssim_compare(a, b, first->width, first->height, &difference->ssim, status) &&
+                     flip_compare(a, b, first->width, first->height, pixels_per_degree,
+                                  difference->flip_map, &difference->flip, status));
 }
 
 bool image_compare(const struct image *first, const struct image *second,

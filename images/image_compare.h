@@ -9,9 +9,10 @@
 
 struct cJSON;
 
-/* How far apart two sets of samples are. Values are taken as they are in memory: linear, not
- * encoded for display, colours premultiplied. Samples that are NaN or infinite in either image are
- * counted first and take no part in the other measures; a NaN that both images share is still
+/* How far apart two sets of samples are. Sums are compensated: means and RMS are within 2^-50 of
+ * the true ones, relative, for up to 2^50 samples. Values are taken as they are in memory: linear,
+ * not encoded for display, colours premultiplied. Samples that are NaN or infinite in either image
+ * are counted first and take no part in the other measures; a NaN that both images share is still
  * counted. */
 struct image_measures {
     uint64_t samples;
@@ -27,6 +28,9 @@ struct image_channel_difference {
     bool integer; /* UINT: `differing` and the errors of the numbers, never NaN, not part of
                      `overall` errors */
     struct image_measures measures;
+    bool has_perception; /* asked for, and a colour: of the channel as a grey picture */
+    double ssim;
+    struct flip_summary flip;
 };
 
 struct image_difference {
@@ -46,6 +50,7 @@ struct image_compare_options {
     const char *only;         /* names of the channels to compare, with commas; NULL for all */
     double pixels_per_degree; /* of FLIP; 0 for FLIP_PIXELS_PER_DEGREE */
     bool without_perception;  /* skip SSIM and FLIP */
+    bool channel_perception;  /* also SSIM and FLIP of R, G and B each */
 };
 
 /* The first image is the reference. Images of different size, or whose compared channels do not
@@ -72,9 +77,9 @@ bool image_difference_flip_image(const struct image_difference *difference, bool
                                  struct image **image, struct status *status);
 
 /* The measures for programs: max_error, mean_error, rmse, psnr_db (null when infinite), ssim, flip
- * {mean, weighted_median, max}, nan, inf (both images together, with *_first and *_second apart),
- * over_1_255, over_2_255, differing, identical; overall and for each of `channels`. The caller
- * deletes it. */
+ * {mean, weighted_median, max} (null where they were not computed), nan, inf (both images together,
+ * with *_first and *_second apart), over_1_255, over_2_255, differing, identical; overall and for
+ * each of `channels`. The caller deletes it. */
 struct cJSON *image_difference_json(const struct image_difference *difference);
 /* The measures for a person: an aligned table. */
 void image_difference_print(const struct image_difference *difference, FILE *out);

@@ -120,6 +120,15 @@ static void thresholds_decide_when_given(void **state) {
     assert_int_equal(run_pair("--max-flip 0.5 --max-flip-pixel 0.5"), 0);
     assert_int_equal(run_pair("--max-flip 0.01"), 1);
     assert_int_equal(run_pair("--max-flip-pixel 0.01"), 1);
+    /* mean = 0.0625 / 3; a third of the samples differ, by some 16/255 */
+    assert_int_equal(run_pair("--max-mean 0.0209"), 0);
+    assert_int_equal(run_pair("--max-mean 0.0208"), 1);
+    assert_int_equal(run_pair("--max-rmse 0.0361"), 0);
+    assert_int_equal(run_pair("--max-rmse 0.036"), 1);
+    assert_first_line("over threshold: rmse 3.608439e-02 is over 0.036");
+    assert_int_equal(run_pair("--max-over-1 0.34 --max-over-2 0.34"), 0);
+    assert_int_equal(run_pair("--max-over-1 0.33"), 1);
+    assert_int_equal(run_pair("--max-over-2 0.33"), 1);
     assert_int_equal(run_pair("--only R,G"), 0);
     assert_int_equal(run_pair("--only B"), 1);
     image_destroy(a);
@@ -171,6 +180,17 @@ static void check_json(const cJSON *json, const struct image_difference *d) {
     assert_true(cJSON_IsNull(cJSON_GetObjectItem(red, "psnr_db")));
     assert_true(number(green, "nan_second") == 1 && number(green, "nan_first") == 0);
     assert_true(number(green, "max_error") == 0.25);
+    /* of a channel as a grey picture: red is the same in both */
+    const cJSON *flip_of_red = cJSON_GetObjectItem(red, "flip"),
+                *flip_of_green = cJSON_GetObjectItem(green, "flip");
+    assert_true(number(red, "ssim") == 1 && number(flip_of_red, "max") == 0);
+    const struct image_channel_difference *channel = &d->channels[1];
+    assert_string_equal(channel->name, "G");
+    assert_true(channel->has_perception && channel->ssim < 1 && channel->flip.max > 0);
+    assert_true(number_is(green, "ssim", channel->ssim));
+    assert_true(number_is(flip_of_green, "mean", channel->flip.mean));
+    assert_true(number_is(flip_of_green, "max", channel->flip.max));
+    assert_true(number_is(flip_of_green, "weighted_median", channel->flip.weighted_median));
     assert_true(cJSON_IsFalse(cJSON_GetObjectItem(json, "passed")));
 }
 
@@ -183,7 +203,8 @@ static void json_holds_the_measures(void **state) {
     fixture_plane(b, "G")[8] = NAN;
     write_exr(a, "a.exr");
     write_exr(b, "b.exr");
-    assert_success(image_compare(a, b, NULL, &d, &status));
+    assert_success(image_compare(a, b, &(struct image_compare_options){.channel_perception = true},
+                                 &d, &status));
     assert_int_equal(run_pair("--json -"), 1);
     cJSON *json = cJSON_Parse(output[0]);
     assert_non_null(json);
@@ -226,7 +247,8 @@ static void maps_are_images(void **state) {
     snprintf(options, sizeof options, "--difference %s --flip-map %s", fixture_path("d.png"),
              fixture_path("f.exr"));
     assert_int_equal(run_pair(options), 1);
-    assert_success(image_compare(a, b, NULL, &d, &status));
+    assert_success(image_compare(a, b, &(struct image_compare_options){.channel_perception = true},
+                                 &d, &status));
     assert_success(image_read(fixture_path("f.exr"), &map, &status));
     assert_memory_equal(fixture_plane(map, "FLIP"), d.flip_map, 40 * 30 * 4);
     image_difference_finish(&d);
@@ -287,9 +309,9 @@ static void flip_without_colours_is_trouble_only_when_asked_for(void **state) {
 static void help_names_every_option(void **state) {
     assert_int_equal(run("--help"), 0);
     static const char *const options[] = {
-        "--json",     "--max-error",  "--min-psnr",       "--max-flip ", "--flip-map",
-        "--only",     "--difference", "--max-flip-pixel", "--quiet",     "--pixels-per-degree",
-        "exit status"};
+        "--json",     "--max-error",  "--min-psnr",       "--max-flip ",  "--flip-map",
+        "--only",     "--difference", "--max-flip-pixel", "--quiet",      "--pixels-per-degree",
+        "--max-mean", "--max-rmse",   "--max-over-1",     "--max-over-2", "exit status"};
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
         if (!strstr(output[0], options[i]))
             fail_msg("%s", options[i]);

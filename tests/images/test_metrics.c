@@ -61,6 +61,53 @@ static void errors_of_four_samples_are_as_by_hand(void **state) {
     image_destroy(b);
 }
 
+/* A plain sum would lose each of the small errors to the large one. */
+static void sums_of_many_samples_lose_nothing(void **state) {
+    enum { SIDE = 1024 };
+    struct image *a, *b;
+    assert_success(image_create(SIDE, SIDE, &a, &status));
+    image_add_channel(a, "Y", IMAGE_FLOAT);
+    b = fixture_copy(a);
+    for (int i = 1; i < SIDE * SIDE; i++)
+        b->channels[0].values[i] = 0x1p-30f;
+    b->channels[0].values[0] = 0x1p27f;
+    struct image_difference d = compare(a, b);
+    const double count = SIDE * SIDE;
+    assert_true(d.overall.mean_error == (0x1p27 + (count - 1) * 0x1p-30) / count);
+    assert_true(d.overall.rmse == sqrt((0x1p54 + (count - 1) * 0x1p-60) / count));
+    image_difference_finish(&d);
+    image_destroy(a);
+    image_destroy(b);
+}
+
+/* Each channel as a grey picture, by the functions themselves. */
+static void channels_are_judged_as_grey_pictures(void **state) {
+    struct image *a = fixture_picture(60, 50, 3), *b = fixture_copy(a);
+    fixture_add_noise(b, 0.1, 4);
+    const struct image_compare_options options = {.channel_perception = true};
+    struct image_difference d;
+    assert_success(image_compare(a, b, &options, &d, &status));
+    const float *first[3], *second[3];
+    planes_of(a, first);
+    planes_of(b, second);
+    for (int c = 0; c < 3; c++) {
+        const float *const grey_a[3] = {first[c], first[c], first[c]}, *const grey_b[3] = {
+                                                                           second[c], second[c],
+                                                                           second[c]};
+        struct flip_summary flip;
+        float map[60 * 50];
+        double ssim;
+        assert_success(ssim_compare(grey_a, grey_b, 60, 50, &ssim, &status));
+        assert_success(
+            flip_compare(grey_a, grey_b, 60, 50, FLIP_PIXELS_PER_DEGREE, map, &flip, &status));
+        assert_true(d.channels[c].has_perception && d.channels[c].ssim == ssim && ssim < 1);
+        assert_true(d.channels[c].flip.mean == flip.mean && d.channels[c].flip.max == flip.max);
+    }
+    image_difference_finish(&d);
+    image_destroy(a);
+    image_destroy(b);
+}
+
 static void what_is_not_finite_is_counted_and_kept_out(void **state) {
     struct image *a = fixture_bits(6, 1, "Y:f", 1), *b;
     memcpy(a->channels[0].values, (float[]){NAN, INFINITY, 1, 2, 3, NAN}, 24);
@@ -305,6 +352,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(identical_images_have_no_error),
         cmocka_unit_test(errors_of_four_samples_are_as_by_hand),
+        cmocka_unit_test(sums_of_many_samples_lose_nothing),
+        cmocka_unit_test(channels_are_judged_as_grey_pictures),
         cmocka_unit_test(what_is_not_finite_is_counted_and_kept_out),
         cmocka_unit_test(integers_are_compared_as_numbers_apart),
         cmocka_unit_test(images_of_other_size_or_channels_are_refused),
