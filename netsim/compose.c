@@ -145,6 +145,8 @@ struct message *region_compose(const struct region_view *a, const struct region_
         .longest_map = longest,
         .work_count = a->head.work_count + b->head.work_count,
         .nan_depths = a->head.nan_depths + b->head.nan_depths,
+        .rays = a->head.rays + b->head.rays,
+        .composed = a->head.composed + b->head.composed + plan.sample_count,
     });
     memcpy(draft.work, a->work, a->head.work_count * sizeof *a->work);
     memcpy(draft.work + a->head.work_count, b->work, b->head.work_count * sizeof *b->work);

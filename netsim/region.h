@@ -29,6 +29,8 @@ struct region_head {
     uint32_t longest_map; /* the longest map, in floats, among the candidates any node offered */
     uint32_t work_count;
     uint32_t nan_depths; /* samples refused because their depth was not a number */
+    uint32_t rays;       /* cast for this region by all nodes so far */
+    uint32_t composed;   /* samples that came out of compositions so far, one count a hop */
 };
 
 /* A region message taken apart; points into the message. */

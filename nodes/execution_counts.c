@@ -70,14 +70,18 @@ void execution_counts_reset(struct execution_counts *counts) {
 }
 
 void execution_counts_add_operations(const struct execution_counts *counts,
-                                     uint64_t operations[SIMD_OPERATION_COUNT]) {
+                                     uint64_t operations[SIMD_OPERATION_COUNT],
+                                     uint64_t streams[SHADER_STREAM_COUNT]) {
     for (int b = 0; b < counts->module->block_count; b++) {
         const struct shader_block *block = &counts->module->blocks[b];
         const uint64_t executions = counts->counters.block_executions[b];
         if (!executions)
             continue;
         for (int stream = 0; stream < SHADER_STREAM_COUNT; stream++)
-            for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
-                operations[operation] += executions * block->operations[stream][operation];
+            for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++) {
+                const uint64_t issued = executions * block->operations[stream][operation];
+                operations[operation] += issued;
+                streams[stream] += issued;
+            }
     }
 }

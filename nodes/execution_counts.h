@@ -26,8 +26,9 @@ void execution_counts_init(struct execution_counts *counts, const struct shader_
 void execution_counts_finish(struct execution_counts *counts);
 /* Begins a new region. */
 void execution_counts_reset(struct execution_counts *counts);
-/* Adds the operations issued since the last reset to `operations`. */
+/* Adds the operations issued since the last reset, by operation and by stream. */
 void execution_counts_add_operations(const struct execution_counts *counts,
-                                     uint64_t operations[SIMD_OPERATION_COUNT]);
+                                     uint64_t operations[SIMD_OPERATION_COUNT],
+                                     uint64_t streams[SHADER_STREAM_COUNT]);
 
 #endif

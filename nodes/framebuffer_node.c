@@ -92,6 +92,30 @@ static void charge_composition(struct frame_record *record, const struct machine
     record->composition.padding += count * (word - depth) - shader_id - 4 * map_floats;
 }
 
+/* Adds what one region cost to the record of the frame's work. */
+static void keep_work(struct work_record *record, const struct region_head *head) {
+    record->regions_touched++;
+    record->rays += head->rays;
+    record->composed += head->composed;
+}
+
+static void keep_shading_work(struct work_record *record, const struct colour_view *view) {
+    for (uint32_t i = 0; i < view->shading_work_count; i++) {
+        const struct shading_work *work = &view->shading_work[i];
+        struct instance_work *entry = work_record_entry(record, work->instance);
+        entry->regions++;
+        for (int s = 0; s < SHADER_STREAM_COUNT; s++)
+            entry->streams[s] += work->streams[s];
+        for (int o = 0; o < SIMD_OPERATION_COUNT; o++)
+            entry->operations[o] += work->operations[o];
+    }
+    for (uint32_t first = 0, i = 1; i <= view->head.sample_count; i++)
+        if (i == view->head.sample_count || view->shader[i] != view->shader[first]) {
+            work_record_entry(record, view->shader[first])->samples += i - first;
+            first = i;
+        }
+}
+
 /* Brings one region into the picture and the accounts. */
 static bool add_region(struct framebuffer_node *self, struct collected_frame *frame, uint32_t k,
                        struct status *status) {
@@ -113,6 +137,10 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
         timing->work_count = view.head.work_count;
         frame->record.nan_depths += view.head.nan_depths;
         frame_image_add(&frame->image, k, &view);
+        if (frame->frame.explain_work) {
+            keep_work(&frame->record.work, &view.head);
+            keep_shading_work(&frame->record.work, &view);
+        }
     } else if (arrived->message) {
         struct region_view view;
         if (!region_open(arrived->message->bytes, arrived->message->length, samples, &view, status))
@@ -123,6 +151,8 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
         timing->work = copy_work(view.work, view.head.work_count);
         timing->work_count = view.head.work_count;
         frame->record.nan_depths += view.head.nan_depths;
+        if (frame->frame.explain_work)
+            keep_work(&frame->record.work, &view.head);
     }
     frame->record.regions_covered += covered > 0;
     frame->record.samples_covered += covered;
@@ -141,6 +171,7 @@ static void fill_times(struct framebuffer_node *self, struct collected_frame *fr
     struct frame_record *record = &frame->record;
     record->frame = frame->index;
     record->regions = frame->grid.count;
+    record->samples_total = (uint64_t)frame->grid.samples_wide * frame->grid.samples_high;
     record->start = result->start;
     record->end = result->end;
     record->time = result->time;
@@ -178,6 +209,7 @@ static bool complete_frame(struct framebuffer_node *self, struct collected_frame
         return false;
     fill_times(self, frame, &result);
     record->nan_colours = frame->image.nan_colours;
+    record->work.is_kept = frame->frame.explain_work != 0;
     if (frame->frame.image_path[0] &&
         !self->services->write_image(self->services->context, frame_image_take(&frame->image),
                                      frame->frame.image_path, frame->frame.compression,

@@ -2,6 +2,7 @@
 #include "nodes/host_node.h"
 
 #include "nodes/chunker.h"
+#include "nodes/work_names.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,6 +38,8 @@ struct host_node {
     struct frame_payload last_frame;
     uint64_t bytes[CAUSE_COUNT]; /* charged for the frame being sent */
     uint32_t regions;            /* of a frame */
+    struct work_names
+        names[HOST_FRAMES_UNDER_WAY]; /* of the frames under way, when work is explained */
     struct host_report report;
     size_t frame_capacity, warning_capacity;
 };
@@ -188,6 +191,7 @@ static struct frame_payload frame_payload_of(const struct host_node *self,
         .is_perspective = camera->is_perspective,
         .write_png = self->options.write_png,
         .compression = self->options.compression,
+        .explain_work = self->options.explain_work,
         .near_plane = camera->near_plane,
         .far_plane = camera->far_plane,
     };
@@ -268,6 +272,8 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame,
     ok = compile_new_shaders(self, status) && begin_frame(self, &payload, number, outputs, status);
     if (ok) {
         report_instances(self, &plan);
+        if (self->options.explain_work)
+            work_names_take(&self->names[self->next_frame % HOST_FRAMES_UNDER_WAY], &plan);
         announce_shaders(self, outputs);
         forget_sent(self);
         for (size_t l = 0; l < plan.light_count; l++)
@@ -296,6 +302,8 @@ static bool repeat_frame(struct host_node *self, struct node_outputs *outputs,
                          struct status *status) {
     if (!begin_frame(self, &self->last_frame, self->last_number + 1, outputs, status))
         return false;
+    work_names_copy(&self->names[self->next_frame % HOST_FRAMES_UNDER_WAY],
+                    &self->names[(self->next_frame + 1) % HOST_FRAMES_UNDER_WAY]);
     struct sent_message *old = self->sent;
     const size_t count = self->sent_count;
     self->sent = NULL;
@@ -371,6 +379,7 @@ static bool finish_frame(struct host_node *self, const struct node_event *event,
                                  sizeof *report->frames);
     record.frame = event->header.frame;
     record.number = self->numbers[record.frame % HOST_FRAMES_UNDER_WAY];
+    work_names_apply(&self->names[record.frame % HOST_FRAMES_UNDER_WAY], &record.work);
     report->frames[report->frame_count++] = record;
     self->frames_done++;
     char text[256];
@@ -469,6 +478,8 @@ static void host_node_destroy(struct node *node) {
     struct host_report *report = &self->report;
     forget_sent(self);
     free(self->sent);
+    for (int i = 0; i < HOST_FRAMES_UNDER_WAY; i++)
+        work_names_finish(&self->names[i]);
     if (self->upcoming)
         scene_frame_destroy(self->upcoming);
     rib_reader_destroy(self->reader);

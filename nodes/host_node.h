@@ -23,6 +23,7 @@ struct host_options {
     bool write_png;
     uint32_t compression; /* enum image_compression */
     bool fast_math;
+    bool explain_work; /* keep a work_record of each frame */
 };
 
 /* What the host tells whoever shows things to people; called from within node_step. All may be

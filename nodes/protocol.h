@@ -7,6 +7,7 @@
 #include "netsim/region.h"
 #include "netsim/timing.h"
 #include "nodes/node.h"
+#include "nodes/work_record.h"
 
 #include <stdint.h>
 
@@ -39,6 +40,7 @@ struct frame_payload {
     uint32_t samples_x, samples_y; /* per pixel */
     uint32_t is_perspective;
     uint32_t write_png, compression; /* of the picture file: enum image_compression */
+    uint32_t explain_work;           /* keep a work_record */
     double screen_window[4];         /* left, right, bottom, top */
     double near_plane, far_plane;
     const char *image_path; /* "" when no image is wanted */
@@ -122,6 +124,7 @@ struct shading_work {
     uint32_t instance; /* shader ID, or one of the marks below */
     uint32_t reserved;
     uint64_t operations[SIMD_OPERATION_COUNT]; /* issued on the array for this region */
+    uint64_t streams[SHADER_STREAM_COUNT];     /* the same, summed by stream */
 };
 enum { SHADING_WORK_SHARED = 0x10000 }; /* position reconstruction; plus 1 + l for light l */
 /* What `count` entries take on the machine's array; TICKS_MAX past 63 bits. */
@@ -155,7 +158,7 @@ struct frame_record {
     uint32_t frame; /* index from 0 */
     int number;     /* as the scene counts (FrameBegin); known to the host, not sent */
     uint32_t regions, regions_covered;
-    uint64_t samples_covered;
+    uint64_t samples_covered, samples_total;
     int64_t start_ps, end_ps, time_ps;
     ticks start, end, time;
     uint64_t tick_rate;
@@ -177,6 +180,7 @@ struct frame_record {
     uint32_t rendering_nodes, shading_nodes;
     int64_t *raster_busy_ps, *shading_busy_ps; /* owned; one a node */
     char image_path[4096];                     /* "" when none */
+    struct work_record work;
 };
 struct message *frame_record_encode(const struct frame_record *record, uint32_t sender);
 bool frame_record_decode(const struct message *message, struct frame_record *record,

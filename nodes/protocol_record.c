@@ -10,6 +10,7 @@ enum { RECORD_FIELDS = 26 };
 static void record_fields(struct frame_record *r, uint64_t *fields[RECORD_FIELDS]) {
     uint64_t *list[RECORD_FIELDS] = {
         &r->samples_covered,
+        &r->samples_total,
         (uint64_t *)&r->start_ps,
         (uint64_t *)&r->end_ps,
         (uint64_t *)&r->time_ps,
@@ -54,6 +55,7 @@ struct message *frame_record_encode(const struct frame_record *record, uint32_t 
     for (uint32_t i = 0; i < record->shading_nodes; i++)
         wire_put_u64(&writer, (uint64_t)record->shading_busy_ps[i]);
     wire_put_string(&writer, record->image_path);
+    work_record_put(&record->work, &writer);
     return wire_finish(&writer, (struct wire_header){.kind = WIRE_FRAME_DONE,
                                                      .frame = record->frame,
                                                      .sender = sender,
@@ -87,6 +89,7 @@ bool frame_record_decode(const struct message *message, struct frame_record *rec
     record->raster_busy_ps = read_times(&reader, record->rendering_nodes);
     record->shading_busy_ps = read_times(&reader, record->shading_nodes);
     snprintf(record->image_path, sizeof record->image_path, "%s", wire_get_string(&reader));
+    work_record_get(&record->work, &reader);
     record->bound_by = (enum timing_resource)(bound_by < TIMING_RESOURCE_COUNT ? bound_by : 0);
     if (wire_reader_done(&reader, "frame done", status))
         return true;
@@ -98,4 +101,5 @@ void frame_record_finish(struct frame_record *record) {
     free(record->raster_busy_ps);
     free(record->shading_busy_ps);
     record->raster_busy_ps = record->shading_busy_ps = NULL;
+    work_record_finish(&record->work);
 }

@@ -316,17 +316,21 @@ static void collect_work(struct shading_frame *frame, struct prepared_shader **i
     work->instance = SHADING_WORK_SHARED;
     work->operations[SIMD_FLOAT_ADD] = 2; /* ours: X and Y from the pixel's address, */
     work->operations[SIMD_FLOAT_MULTIPLY] = frame->frame.is_perspective ? 4 : 2; /* times z */
+    work->streams[SHADER_PRE_ILLUM] =
+        work->operations[SIMD_FLOAT_ADD] + work->operations[SIMD_FLOAT_MULTIPLY];
     work++;
     for (size_t l = 0; l < frame->light_count; l++) {
         if (!frame->lights[l].is_counted)
             continue;
         frame->lights[l].is_counted = false;
         work->instance = SHADING_WORK_SHARED + 1 + (uint32_t)l;
-        execution_counts_add_operations(&frame->lights[l].counts, work++->operations);
+        execution_counts_add_operations(&frame->lights[l].counts, work->operations, work->streams);
+        work++;
     }
     for (size_t i = 0; i < instance_count; i++) {
         work->instance = instances[i]->payload.id;
-        execution_counts_add_operations(&instances[i]->counts, work++->operations);
+        execution_counts_add_operations(&instances[i]->counts, work->operations, work->streams);
+        work++;
     }
 }
 

@@ -62,7 +62,7 @@ struct visibility {
     struct span *spans;
     uint32_t span_count;
     float *screen_x, *screen_y;
-    uint32_t nan_depths;
+    uint32_t nan_depths, rays;
 };
 
 /* One packet of rays, as the filter sees it. */
@@ -313,6 +313,7 @@ static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, u
     struct RTCRayHit16 rays;
     int valid[16] __attribute__((aligned(64)));
     packet.visibility = visibility;
+    visibility->rays += wide * high;
     const bool is_perspective = visibility->frame.is_perspective;
     for (unsigned lane = 0; lane < 16; lane++) {
         const unsigned dx = lane % TILE_SAMPLES, dy = lane / TILE_SAMPLES;
@@ -452,7 +453,8 @@ static void find_spans(struct visibility *visibility) {
 }
 
 static struct region_head measure_region(const struct visibility *visibility) {
-    struct region_head head = {.work_count = 1, .nan_depths = visibility->nan_depths};
+    struct region_head head = {
+        .work_count = 1, .nan_depths = visibility->nan_depths, .rays = visibility->rays};
     uint32_t end = UINT32_MAX;
     for (uint32_t i = 0; i < visibility->span_count; i++) {
         const struct span *span = &visibility->spans[i];
@@ -470,7 +472,7 @@ static struct region_head measure_region(const struct visibility *visibility) {
 struct message *visibility_render(struct visibility *visibility, uint32_t frame, uint32_t region,
                                   struct node_address node) {
     const uint32_t width = visibility->bins.grid.region_width;
-    visibility->nan_depths = 0;
+    visibility->nan_depths = visibility->rays = 0;
     cast_region(visibility, region);
     find_spans(visibility);
     struct region_draft draft = region_draft_create(measure_region(visibility));

@@ -59,6 +59,8 @@ static void add_frame(cJSON *frames, const struct frame_record *f) {
     add_times(frame, "shading_busy_ps", f->shading_busy_ps, f->shading_nodes);
     add_whole(frame, "nan_depths", (int64_t)f->nan_depths);
     add_whole(frame, "nan_colours", (int64_t)f->nan_colours);
+    if (f->work.is_kept)
+        cJSON_AddItemToObject(frame, "work", render_work_json(&f->work));
     if (f->image_path[0])
         cJSON_AddStringToObject(frame, "image", f->image_path);
     else

@@ -34,6 +34,7 @@ enum {
     OPTION_BOARD,
     OPTION_SUPERVISED,
     OPTION_CHORD,
+    OPTION_EXPLAIN_WORK,
 };
 
 static const struct option long_options[] = {
@@ -54,6 +55,7 @@ static const struct option long_options[] = {
     {"json", required_argument, NULL, OPTION_JSON},
     {"compression", required_argument, NULL, OPTION_COMPRESSION},
     {"math", required_argument, NULL, OPTION_MATH},
+    {"explain-work", no_argument, NULL, OPTION_EXPLAIN_WORK},
     {"chord", required_argument, NULL, OPTION_CHORD},
     {"shaders", required_argument, NULL, OPTION_SHADERS},
     {"deadline", required_argument, NULL, OPTION_DEADLINE},
@@ -122,6 +124,8 @@ static void print_help(bool is_host_program) {
          "\n"
          "Output\n"
          "      --json FILE            write the summary as JSON; - for standard output\n"
+         "      --explain-work         say what was done for each frame, for whom, and what was "
+         "skipped and why\n"
          "  -v, --verbose              say what each node does\n"
          "  -q, --quiet                only errors\n"
          "  -h, --help                 this text\n"
@@ -283,6 +287,9 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         ok = parse_choice(text, "--math", maths, &choice, status);
         o->host.fast_math = choice == 1;
         return ok;
+    case OPTION_EXPLAIN_WORK:
+        o->host.explain_work = true;
+        return true;
     case OPTION_CHORD:
         return parse_chord(text, &o->host.reading.chord_pixels, status);
     case OPTION_SHADERS:

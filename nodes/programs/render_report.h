@@ -38,6 +38,11 @@ double render_wall_s(const struct render_progress *progress);
 void render_summary_print(FILE *stream, const struct render_options *options,
                           const struct host_report *report, double wall_s,
                           const struct pace_report *pace);
+/* What was done for the frame, for whom, and what was skipped and why (a record that was kept). */
+void render_work_print(FILE *stream, const struct frame_record *record);
+/* How many different shaders ran: those, and only those, are loaded. */
+uint32_t render_modules_loaded(const struct work_record *work);
+struct cJSON *render_work_json(const struct work_record *work);
 /* Writes options->json; the file appears whole. */
 bool render_json_write(const struct render_options *options, const struct host_report *report,
                        double wall_s, const struct pace_report *pace, struct status *status);

@@ -120,6 +120,9 @@ void render_summary_print(FILE *stream, const struct render_options *options,
     print_busy(stream, &report->frames[report->frame_count - 1]);
     print_bytes(stream, &report->frames[report->frame_count - 1]);
     print_instances(stream, report);
+    for (size_t i = 0; i < report->frame_count; i++)
+        if (report->frames[i].work.is_kept)
+            render_work_print(stream, &report->frames[i]);
     if (pace->scale > 0)
         print_pace(stream, report, pace);
     for (size_t i = 0; i < report->frame_count; i++)

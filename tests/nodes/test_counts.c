@@ -24,16 +24,20 @@ static void a_loop_is_issued_as_often_as_the_neediest_vector_runs_it(void **stat
     counts.counters.report_trips(&counts.counters, 1, 98, 1);
     /* the same key in another block is another path */
     counts.counters.report_trips(&counts.counters, 2, 99, 5);
-    uint64_t operations[SIMD_OPERATION_COUNT] = {0};
-    execution_counts_add_operations(&counts, operations);
+    uint64_t operations[SIMD_OPERATION_COUNT] = {0}, streams[SHADER_STREAM_COUNT] = {0};
+    execution_counts_add_operations(&counts, operations, streams);
     assert_int_equal(operations[SIMD_FLOAT_ADD], 2);
     assert_int_equal(operations[SIMD_FLOAT_MULTIPLY], 3 * (7 + 1));
     assert_int_equal(operations[SIMD_SIN], 5);
+    uint64_t in_streams = 0;
+    for (int s = 0; s < SHADER_STREAM_COUNT; s++)
+        in_streams += streams[s];
+    assert_int_equal(in_streams, 2 + 3 * (7 + 1) + 5);
     /* a new region begins at nothing */
     execution_counts_reset(&counts);
     memset(operations, 0, sizeof operations);
     counts.counters.report_trips(&counts.counters, 1, 99, 3);
-    execution_counts_add_operations(&counts, operations);
+    execution_counts_add_operations(&counts, operations, streams);
     assert_int_equal(operations[SIMD_FLOAT_MULTIPLY], 9);
     execution_counts_finish(&counts);
 }
