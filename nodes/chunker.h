@@ -14,8 +14,4 @@ bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
                  uint32_t frame_index, struct message ***chunks, size_t *chunk_count,
                  struct status *status);
 
-/* Which rendering node gets each chunk: a permutation drawn from `seed`, dealt round (FACTS: an
- * effectively random subset of the primitives). The array is the caller's. */
-uint32_t *chunker_assign(size_t chunk_count, uint32_t rendering_nodes, uint64_t seed);
-
 #endif

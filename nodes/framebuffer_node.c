@@ -31,6 +31,8 @@ struct collected_frame {
     struct frame_image image;
     struct frame_record record;
     struct timing_region *timing;
+    struct region_costs *costs; /* of covered regions, when the run is recorded; owns their work */
+    size_t cost_count, cost_capacity;
 };
 
 struct framebuffer_node {
@@ -61,8 +63,11 @@ static void frame_finish(struct collected_frame *frame) {
         message_release(frame->regions[k].message);
     for (uint32_t k = 0; frame->timing && k < frame->grid.count; k++)
         free((void *)frame->timing[k].work);
+    for (size_t i = 0; i < frame->cost_count; i++)
+        free((void *)frame->costs[i].work);
     free(frame->regions);
     free(frame->timing);
+    free(frame->costs);
     frame_image_finish(&frame->image);
     frame_record_finish(&frame->record);
     message_release(frame->frame_message);
@@ -74,6 +79,21 @@ static const struct timing_work *copy_work(const struct region_work *work, uint3
     for (uint32_t i = 0; i < count; i++)
         copy[i] = (struct timing_work){work[i].node, work[i].triangles};
     return copy;
+}
+
+/* Keeps what the region cost for the record of the run. */
+static void keep_costs(struct collected_frame *frame, uint32_t region,
+                       const struct colour_view *view) {
+    struct shading_work *work = memory_get(view->shading_work_count, sizeof *work);
+    memcpy(work, view->shading_work, view->shading_work_count * sizeof *work);
+    frame->costs = memory_grow(frame->costs, &frame->cost_capacity, frame->cost_count + 1,
+                               sizeof *frame->costs);
+    frame->costs[frame->cost_count++] =
+        (struct region_costs){.region = region,
+                              .samples = view->head.sample_count,
+                              .map_floats = view->map_floats,
+                              .work = work,
+                              .work_count = view->shading_work_count};
 }
 
 /* Bytes of one region on the composition network, by cause: whole words for every sample of the
@@ -136,6 +156,8 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
         timing->work = copy_work(view.work, view.head.work_count);
         timing->work_count = view.head.work_count;
         frame->record.nan_depths += view.head.nan_depths;
+        if (self->configuration.is_recorded)
+            keep_costs(frame, k, &view);
         frame_image_add(&frame->image, k, &view);
         if (frame->frame.explain_work) {
             keep_work(&frame->record.work, &view.head);
@@ -215,6 +237,10 @@ static bool complete_frame(struct framebuffer_node *self, struct collected_frame
                                      frame->frame.image_path, frame->frame.compression,
                                      frame->frame.write_png, status))
         return status_prefix(status, "frame %u", frame->index);
+    if (self->configuration.is_recorded)
+        node_send(outputs, host_address,
+                  region_costs_encode(frame->costs, frame->cost_count, frame->index,
+                                      node_address_pack(self->node.address)));
     node_send(outputs, host_address,
               frame_record_encode(record, node_address_pack(self->node.address)));
     trace_line(self->node.trace, "frame %u complete", frame->index);

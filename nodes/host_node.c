@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/host_node.h"
 
+#include "netsim/distribution.h"
 #include "nodes/chunker.h"
+#include "nodes/run_recorder.h"
 #include "nodes/work_names.h"
 
 #include <stdio.h>
@@ -40,6 +42,7 @@ struct host_node {
     uint32_t regions;            /* of a frame */
     struct work_names
         names[HOST_FRAMES_UNDER_WAY]; /* of the frames under way, when work is explained */
+    struct run_recorder *recorder; /* NULL: the run is not recorded */
     struct host_report report;
     size_t frame_capacity, warning_capacity;
 };
@@ -214,6 +217,8 @@ static bool begin_frame(struct host_node *self, struct frame_payload *payload, i
     self->last_frame = *payload;
     self->last_number = self->numbers[self->next_frame % HOST_FRAMES_UNDER_WAY] = number;
     self->regions = region_grid_make(payload, &self->options.machine).count;
+    if (self->recorder)
+        run_recorder_begin_frame(self->recorder, number, payload);
     return true;
 }
 
@@ -225,6 +230,8 @@ static void end_frame(struct host_node *self, struct node_outputs *outputs) {
     uint64_t bytes[CAUSE_COUNT];
     memcpy(bytes, self->bytes, sizeof bytes);
     broadcast(self, frame_end_encode(bytes, self->next_frame), outputs);
+    if (self->recorder)
+        run_recorder_end_frame(self->recorder, bytes);
     memset(self->bytes, 0, sizeof self->bytes);
     self->next_frame++;
 }
@@ -235,8 +242,12 @@ static bool send_chunks(struct host_node *self, const struct scene_frame *frame,
     struct message **chunks = NULL;
     size_t count = 0;
     bool ok = chunker_cut(frame, plan, self->next_frame, &chunks, &count, status);
-    uint32_t *node = chunker_assign(count, self->options.rendering_nodes, self->options.seed);
+    uint32_t *node = distribution_assign(count, self->options.rendering_nodes, self->options.seed);
     for (size_t i = 0; i < count; i++) {
+        struct chunk_payload chunk;
+        ok = ok && (!self->recorder || chunk_payload_decode(chunks[i], &chunk, status));
+        if (ok && self->recorder)
+            run_recorder_add_chunk(self->recorder, &chunk);
         if (ok)
             send_content(self, (struct sent_message){chunks[i], {NODE_RENDERING, node[i]}, TO_ONE},
                          outputs);
@@ -274,6 +285,8 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame,
         report_instances(self, &plan);
         if (self->options.explain_work)
             work_names_take(&self->names[self->next_frame % HOST_FRAMES_UNDER_WAY], &plan);
+        if (self->recorder)
+            run_recorder_add_plan(self->recorder, &plan);
         announce_shaders(self, outputs);
         forget_sent(self);
         for (size_t l = 0; l < plan.light_count; l++)
@@ -304,6 +317,8 @@ static bool repeat_frame(struct host_node *self, struct node_outputs *outputs,
         return false;
     work_names_copy(&self->names[self->next_frame % HOST_FRAMES_UNDER_WAY],
                     &self->names[(self->next_frame + 1) % HOST_FRAMES_UNDER_WAY]);
+    if (self->recorder)
+        run_recorder_repeat(self->recorder);
     struct sent_message *old = self->sent;
     const size_t count = self->sent_count;
     self->sent = NULL;
@@ -340,7 +355,8 @@ static bool send_frame(struct host_node *self, struct node_outputs *outputs,
 
 static bool start(struct host_node *self, struct node_outputs *outputs, struct status *status) {
     const struct configuration configuration = {self->options.rendering_nodes,
-                                                self->options.shading_nodes, self->options.machine};
+                                                self->options.shading_nodes,
+                                                self->options.is_recorded, self->options.machine};
     struct scene_frame *first;
     if (!read_upcoming(self, status))
         return false;
@@ -431,6 +447,11 @@ static bool handle_message(struct host_node *self, const struct node_event *even
         return text != NULL;
     case WIRE_FAILURE:
         return fail_from_node(event, status);
+    case WIRE_CHUNK_WORK:
+    case WIRE_REGION_COSTS:
+        if (self->recorder)
+            return run_recorder_accept(self->recorder, event->message, &event->header, status);
+        return status_fail(status, STATUS_INVALID, "costs of a run that is not recorded");
     case WIRE_GOODBYE:
         self->node.is_finished = true;
         return true;
@@ -452,7 +473,8 @@ static bool host_node_step(struct node *node, const struct node_event *event,
         ok = send_frame(self, outputs, status);
     node->has_work = ok && !self->is_over && wants_more(self) &&
                      self->next_frame - self->frames_done < HOST_FRAMES_UNDER_WAY;
-    if (ok && !self->is_over && !wants_more(self) && self->frames_done == self->next_frame) {
+    if (ok && !self->is_over && !wants_more(self) && self->frames_done == self->next_frame &&
+        (!self->recorder || run_recorder_is_complete(self->recorder))) {
         self->is_over = node->is_closing = true;
         broadcast(self, signal_encode(WIRE_QUIT, 0, 0, node_address_pack(node->address)), outputs);
     }
@@ -483,6 +505,7 @@ static void host_node_destroy(struct node *node) {
     if (self->upcoming)
         scene_frame_destroy(self->upcoming);
     rib_reader_destroy(self->reader);
+    run_recorder_destroy(self->recorder);
     shader_library_destroy(self->library);
     for (size_t i = 0; i < report->frame_count; i++)
         frame_record_finish(&report->frames[i]);
@@ -515,6 +538,11 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     self->reader = reader;
     self->library = shader_library_create(options->shader_folders, options->shader_folder_count,
                                           options->fast_math);
+    if (options->is_recorded) {
+        self->recorder = run_recorder_create(options->scene, &options->machine, options->seed,
+                                             options->fast_math, options->rendering_nodes);
+        self->report.record = run_recorder_record(self->recorder);
+    }
     *node = &self->node;
     return true;
 }

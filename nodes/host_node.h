@@ -2,6 +2,7 @@
 #ifndef HOST_NODE_H
 #define HOST_NODE_H
 
+#include "netsim/record.h"
 #include "nodes/frame_plan.h"
 #include "nodes/node.h"
 #include "nodes/protocol.h"
@@ -24,6 +25,7 @@ struct host_options {
     uint32_t compression; /* enum image_compression */
     bool fast_math;
     bool explain_work; /* keep a work_record of each frame */
+    bool is_recorded; /* keep what every chunk and region cost, for host_report.record */
 };
 
 /* What the host tells whoever shows things to people; called from within node_step. All may be
@@ -53,6 +55,7 @@ struct host_report {
     size_t instance_count;
     char **warnings;
     size_t warning_count;
+    const struct run_record *record; /* complete once the run is over; NULL: not recorded */
 };
 
 /* `build_shaders` compiles the C sources of new shaders before any node is told of them; NULL to

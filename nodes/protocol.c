@@ -21,6 +21,7 @@ struct message *configuration_encode(const struct configuration *configuration) 
     machine_to_values(&configuration->machine, values);
     wire_put_u32(&writer, configuration->rendering_nodes);
     wire_put_u32(&writer, configuration->shading_nodes);
+    wire_put_u32(&writer, configuration->is_recorded);
     wire_put_string(&writer, configuration->machine.name);
     for (int i = 0; i < MACHINE_VALUE_COUNT; i++)
         wire_put_u64(&writer, (uint64_t)values[i]);
@@ -33,6 +34,7 @@ bool configuration_decode(const struct message *message, struct configuration *c
     int64_t values[MACHINE_VALUE_COUNT];
     configuration->rendering_nodes = wire_get_u32(&reader);
     configuration->shading_nodes = wire_get_u32(&reader);
+    configuration->is_recorded = wire_get_u32(&reader);
     const char *name = wire_get_string(&reader);
     for (int i = 0; i < MACHINE_VALUE_COUNT; i++)
         values[i] = (int64_t)wire_get_u64(&reader);

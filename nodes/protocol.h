@@ -18,6 +18,7 @@
 /* CONFIGURATION: what every node must know before the first frame. */
 struct configuration {
     uint32_t rendering_nodes, shading_nodes;
+    uint32_t is_recorded; /* nodes tell the host what each chunk and region cost */
     struct machine machine;
 };
 struct message *configuration_encode(const struct configuration *configuration);
@@ -186,6 +187,31 @@ struct message *frame_record_encode(const struct frame_record *record, uint32_t 
 bool frame_record_decode(const struct message *message, struct frame_record *record,
                          struct status *status);
 void frame_record_finish(struct frame_record *record);
+
+/* CHUNK_WORK and REGION_COSTS, when the run is recorded: what a frame cost by chunk of primitives
+ * and region, from each rendering node, and by region and shader, from the framebuffer node. */
+struct chunk_work {
+    uint32_t chunk, region;
+    uint32_t triangles; /* whose screen rectangle touches the region */
+    uint32_t covers;    /* 1: some triangle of the chunk covers a sample of it */
+};
+struct message *chunk_work_encode(const struct chunk_work *work, size_t count, uint32_t frame,
+                                  uint32_t sender);
+bool chunk_work_decode(const struct message *message, const struct chunk_work **work, size_t *count,
+                       struct status *status);
+
+struct region_costs {
+    uint32_t region, samples; /* covered */
+    uint64_t map_floats;      /* sum over the samples of the lengths of their own maps */
+    const struct shading_work *work;
+    uint32_t work_count, reserved;
+};
+/* `regions` in ascending order; each is followed by its work, which decoded ones point to. */
+struct message *region_costs_encode(const struct region_costs *regions, size_t count,
+                                    uint32_t frame, uint32_t sender);
+/* The array is the caller's. */
+bool region_costs_decode(const struct message *message, struct region_costs **regions,
+                         size_t *count, struct status *status);
 
 /* HELLO (endpoint to reach the node's composition input, "" in process) and the text messages
  * WARNING and FAILURE (code in header.region). */

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-void region_bins_init(struct region_bins *bins, const struct region_grid *grid) {
-    *bins = (struct region_bins){.grid = *grid};
+void region_bins_init(struct region_bins *bins, const struct region_grid *grid, bool records_work) {
+    *bins = (struct region_bins){.grid = *grid, .records_work = records_work};
     bins->tile_columns = (grid->region_width + TILE_SAMPLES - 1) / TILE_SAMPLES;
     bins->tile_rows = (grid->region_height + TILE_SAMPLES - 1) / TILE_SAMPLES;
     bins->tile_words = (bins->tile_columns + 63) / 64;
@@ -16,6 +16,7 @@ void region_bins_finish(struct region_bins *bins) {
     for (uint32_t k = 0; bins->bins && k < bins->grid.count; k++)
         free(bins->bins[k]);
     free(bins->bins);
+    free(bins->entries);
     *bins = (struct region_bins){0};
 }
 
@@ -85,16 +86,107 @@ static void mark_tiles(const struct region_bins *bins, struct region_bin *bin, u
     }
 }
 
+/* Sample columns and rows of the picture, inclusive. */
+struct sample_box {
+    uint32_t x0, x1, y0, y1;
+};
+
+/* The columns of one row that can lie inside all three edges, a sample to spare on either side;
+ * false when there are none. */
+static bool row_columns(const struct region_bins *bins, const struct frame_payload *frame,
+                        const struct triangle_setup *setup, const struct sample_box *box, double y,
+                        uint32_t *first, uint32_t *last) {
+    const double *window = frame->screen_window;
+    const double reach = fmax(fabs(window[0]), fabs(window[1]));
+    const double tolerance = 2 * triangle_setup_tolerance(reach, y);
+    const double per_unit = bins->grid.samples_wide / (window[1] - window[0]);
+    double low = box->x0, high = box->x1;
+    for (int i = 0; i < 3; i++) {
+        const double *w = setup->weight[i];
+        const double rest = w[1] * y + w[2] + tolerance * (fabs(w[0]) + fabs(w[1]));
+        if (w[0] == 0) {
+            if (rest < 0)
+                return false;
+            continue;
+        }
+        const double column = (-rest / w[0] - window[0]) * per_unit - 0.5;
+        if ((w[0] > 0) == (per_unit > 0))
+            low = fmax(low, column - 1);
+        else
+            high = fmin(high, column + 1);
+    }
+    if (!(low <= high))
+        return false;
+    *first = (uint32_t)low;
+    *last = (uint32_t)high;
+    return true;
+}
+
+/* Does the triangle cover a sample of the box between the near and the far plane? By the rules of
+ * visibility (triangle_setup.h), but whatever lies in front of it: which of its own triangles a
+ * node hides depends on which it has, and this must not. */
+static bool covers_sample(const struct region_bins *bins, const struct frame_payload *frame,
+                          const struct binned_triangle *triangle, const struct sample_box *box) {
+    const struct triangle_setup *setup = triangle->setup;
+    const float *const *v = triangle->v;
+    if (fmaxf(v[0][2], fmaxf(v[1][2], v[2][2])) < frame->near_plane ||
+        fminf(v[0][2], fminf(v[1][2], v[2][2])) > frame->far_plane)
+        return false;
+    for (uint32_t row = box->y0; row <= box->y1; row++) {
+        const float y = region_grid_screen_y(&bins->grid, frame, row);
+        uint32_t first, last;
+        if (!row_columns(bins, frame, setup, box, y, &first, &last))
+            continue;
+        for (uint32_t column = first; column <= last; column++) {
+            const float x = region_grid_screen_x(&bins->grid, frame, column);
+            if (!triangle_setup_is_inside(setup, x, y))
+                continue;
+            const float depth = triangle_setup_depth(setup, x, y);
+            if (depth >= frame->near_plane && depth <= frame->far_plane)
+                return true;
+        }
+    }
+    return false;
+}
+
+/* The entry of the triangle's chunk in a region's list of work; NULL when nobody records. */
+static struct chunk_work *work_entry(struct region_bins *bins, struct region_bin *bin,
+                                     uint32_t region, uint32_t chunk) {
+    if (!bins->records_work)
+        return NULL;
+    if (!bin->entry || bins->entries[bin->entry - 1].chunk != chunk) {
+        bins->entries = memory_grow(bins->entries, &bins->entry_capacity, bins->entry_count + 1,
+                                    sizeof *bins->entries);
+        bins->entries[bins->entry_count++] = (struct chunk_work){chunk, region, 0, 0};
+        bin->entry = (uint32_t)bins->entry_count;
+    }
+    return &bins->entries[bin->entry - 1];
+}
+
+/* Notes whether the triangle can make the region's transfer longer. */
+static void mark_coverage(const struct region_bins *bins, const struct frame_payload *frame,
+                          const struct binned_triangle *triangle, const struct sample_box *box,
+                          struct region_bin *bin, struct chunk_work *entry) {
+    const bool is_longer = !bin->is_covered || triangle->map_floats > bin->longest_map;
+    if (!(is_longer || (entry && !entry->covers)) || !covers_sample(bins, frame, triangle, box))
+        return;
+    if (entry)
+        entry->covers = 1;
+    if (is_longer) {
+        bin->is_covered = true;
+        bin->longest_map = triangle->map_floats;
+    }
+}
+
 static uint32_t clamp_index(double value, uint32_t limit) {
     return value <= 0 ? 0 : value >= limit ? limit - 1 : (uint32_t)value;
 }
 
-void region_bins_add(struct region_bins *bins, const struct frame_payload *frame, const float *v0,
-                     const float *v1, const float *v2) {
+void region_bins_add(struct region_bins *bins, const struct frame_payload *frame,
+                     const struct binned_triangle *triangle) {
     const struct region_grid *grid = &bins->grid;
-    const float *const v[3] = {v0, v1, v2};
     struct rectangle r;
-    if (!screen_rectangle(bins, frame, v, &r))
+    if (!screen_rectangle(bins, frame, triangle->v, &r))
         return;
     /* a margin for the rounding of positions and of Embree's edges: a hundredth of a sample, and
      * 2^-20 of the picture for very large ones */
@@ -119,11 +211,18 @@ void region_bins_add(struct region_bins *bins, const struct frame_payload *frame
     const uint32_t w = grid->region_width, h = grid->region_height;
     for (uint32_t row = touch_y0 / h; row <= touch_y1 / h; row++)
         for (uint32_t column = touch_x0 / w; column <= touch_x1 / w; column++) {
-            struct region_bin *bin = bin_at(bins, row * grid->columns + column);
+            const uint32_t region = row * grid->columns + column;
+            struct region_bin *bin = bin_at(bins, region);
+            struct chunk_work *entry = work_entry(bins, bin, region, triangle->chunk);
             bin->triangles++;
+            if (entry)
+                entry->triangles++;
             if (!has_samples || x0 / w > column || x1 / w < column || y0 / h > row || y1 / h < row)
                 continue;
-            mark_tiles(bins, bin, x0 / w < column ? 0 : x0 % w, x1 / w > column ? w - 1 : x1 % w,
-                       y0 / h < row ? 0 : y0 % h, y1 / h > row ? h - 1 : y1 % h);
+            const struct sample_box box = {
+                x0 / w < column ? column * w : x0, x1 / w > column ? column * w + w - 1 : x1,
+                y0 / h < row ? row * h : y0, y1 / h > row ? row * h + h - 1 : y1};
+            mark_tiles(bins, bin, box.x0 % w, box.x1 % w, box.y0 % h, box.y1 % h);
+            mark_coverage(bins, frame, triangle, &box, bin, entry);
         }
 }

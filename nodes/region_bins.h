@@ -3,6 +3,7 @@
 #define REGION_BINS_H
 
 #include "nodes/protocol.h"
+#include "nodes/triangle_setup.h"
 
 #include <stdint.h>
 
@@ -12,22 +13,35 @@
 enum { TILE_SAMPLES = 4 }; /* each way: 16 rays, one Embree packet */
 
 struct region_bin {
-    uint32_t triangles; /* whose screen rectangle touches the region: what raster is charged */
-    uint64_t tiles[];   /* bit per tile, rows of bins->tile_words words */
+    uint32_t triangles;   /* whose screen rectangle touches the region: what raster is charged */
+    bool is_covered;      /* some triangle covers a sample of the region, hidden or not */
+    uint32_t longest_map; /* in floats, among the triangles that do */
+    uint32_t entry;       /* of the chunk at hand, plus 1; when work is recorded */
+    uint64_t tiles[];     /* bit per tile, rows of bins->tile_words words */
 };
 
 struct region_bins {
     struct region_grid grid;
     uint32_t tile_columns, tile_rows, tile_words; /* of one region; words per row of tiles */
     struct region_bin **bins;                     /* one a region; NULL: nothing there */
+    bool records_work;
+    struct chunk_work *entries; /* when work is recorded: by chunk, then region */
+    size_t entry_count, entry_capacity;
 };
 
-void region_bins_init(struct region_bins *bins, const struct region_grid *grid);
+struct binned_triangle {
+    const float *v[3]; /* camera space */
+    const struct triangle_setup *setup;
+    uint32_t chunk;      /* its number; chunks come one after the other */
+    uint32_t map_floats; /* of its instance */
+};
+
+void region_bins_init(struct region_bins *bins, const struct region_grid *grid, bool records_work);
 void region_bins_finish(struct region_bins *bins);
-/* Adds a triangle given in camera space. Parts in front of the near plane are cut off first;
- * coordinates that are not finite are ignored. */
-void region_bins_add(struct region_bins *bins, const struct frame_payload *frame, const float *v0,
-                     const float *v1, const float *v2);
+/* Adds a triangle. Parts in front of the near plane are cut off first; coordinates that are not
+ * finite are ignored. */
+void region_bins_add(struct region_bins *bins, const struct frame_payload *frame,
+                     const struct binned_triangle *triangle);
 
 static inline bool region_bin_has_tile(const struct region_bins *bins, const struct region_bin *bin,
                                        uint32_t column, uint32_t row) {

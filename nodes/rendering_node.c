@@ -13,6 +13,7 @@ enum { RENDERING_FRAMES = 2 };
 
 struct frame_slot {
     bool is_begun, is_complete;
+    bool is_reported; /* the host knows the work of its chunks */
     uint32_t index;
     struct frame_payload frame;
     struct message *frame_message; /* holds what `frame` points into */
@@ -157,7 +158,8 @@ static bool prepare_visibility(struct rendering_node *self, struct frame_slot *s
     self->visibility = NULL;
     slot_finish(&self->kept);
     if (!visibility_create(self->device, &slot->frame, &slot->grid, slot->chunks,
-                           slot->message_count, &self->visibility, status))
+                           slot->message_count, self->configuration.is_recorded, &self->visibility,
+                           status))
         return false;
     self->visibility_content = slot->content;
     trace_line(self->node.trace, "frame %u: scene built", slot->index);
@@ -171,6 +173,18 @@ static void end_composition(struct rendering_node *self, struct frame_slot *slot
     else
         slot_finish(slot);
     *slot = (struct frame_slot){0};
+}
+
+/* When the run is recorded: what each chunk costs in each region, once a frame. */
+static void report_work(struct rendering_node *self, struct frame_slot *slot,
+                        struct node_outputs *outputs) {
+    const struct region_bins *bins = visibility_bins(self->visibility);
+    if (!self->configuration.is_recorded || slot->is_reported)
+        return;
+    slot->is_reported = true;
+    node_send(outputs, (struct node_address){NODE_HOST, 0},
+              chunk_work_encode(bins->entries, bins->entry_count, slot->index,
+                                node_address_pack(self->node.address)));
 }
 
 static void send_empty(struct rendering_node *self, uint32_t frame, uint32_t first, uint32_t count,
@@ -238,6 +252,7 @@ static bool advance(struct rendering_node *self, struct node_outputs *outputs,
                            head->region);
     if (!prepare_visibility(self, slot, status))
         return status_prefix(status, "frame %u", head->frame);
+    report_work(self, slot, outputs);
     const struct region_bins *bins = visibility_bins(self->visibility);
     const uint32_t frame = head->frame, end = head->region + head->count;
     uint32_t region = head->region;

@@ -2,6 +2,7 @@
 #ifndef TRIANGLE_SETUP_H
 #define TRIANGLE_SETUP_H
 
+#include <math.h>
 #include <stdbool.h>
 
 /* Depth and barycentric coordinates of a triangle as functions of the screen position, in double.
@@ -21,6 +22,26 @@ struct triangle_setup {
  * is not finite: it covers no sample. */
 bool triangle_setup_make(const float *v0, const float *v1, const float *v2, bool is_perspective,
                          struct triangle_setup *setup);
+
+/* How far outside an edge a sample may lie and still count as inside, in screen units times the
+ * size of the edge's weights. */
+static inline double triangle_setup_tolerance(double x, double y) {
+    return 0x1p-21 * (1 + fabs(x) + fabs(y));
+}
+
+/* Is the sample inside the triangle, or so close to its edge that Embree's floats cannot tell? A
+ * sample on an edge must be inside one of the two triangles there; what Embree reports farther
+ * outside (it does, of needles) depends on what else is in its scene. */
+static inline bool triangle_setup_is_inside(const struct triangle_setup *setup, double x,
+                                            double y) {
+    const double tolerance = triangle_setup_tolerance(x, y);
+    for (int i = 0; i < 3; i++) {
+        const double *w = setup->weight[i];
+        if (w[0] * x + w[1] * y + w[2] < -tolerance * (fabs(w[0]) + fabs(w[1])))
+            return false;
+    }
+    return true;
+}
 
 static inline float triangle_setup_depth(const struct triangle_setup *setup, float x, float y) {
     const double *n = setup->depth_numerator, *d = setup->depth_denominator;

@@ -93,19 +93,6 @@ void visibility_device_destroy(struct visibility_device *device) {
     free(device);
 }
 
-/* Is the sample inside the triangle, or so close to its edge that Embree's floats cannot tell? A
- * sample on an edge must be inside one of the two triangles there; what Embree reports farther
- * outside (it does, of needles) depends on what else is in its scene. */
-static bool is_inside(const struct triangle_setup *setup, double x, double y) {
-    const double tolerance = 0x1p-21 * (1 + fabs(x) + fabs(y));
-    for (int i = 0; i < 3; i++) {
-        const double *w = setup->weight[i];
-        if (w[0] * x + w[1] * y + w[2] < -tolerance * (fabs(w[0]) + fabs(w[1])))
-            return false;
-    }
-    return true;
-}
-
 /* Called for every hit Embree finds; N lanes as structure of arrays (the C API has no accessors for
  * it). */
 static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
@@ -124,7 +111,7 @@ static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
         const struct triangle_setup *setup = &visibility->setups[triangle];
         const float depth = triangle_setup_depth(setup, packet->x[lane], packet->y[lane]);
         if (!(depth >= near_plane && depth <= far_plane) ||
-            !is_inside(setup, packet->x[lane], packet->y[lane])) {
+            !triangle_setup_is_inside(setup, packet->x[lane], packet->y[lane])) {
             visibility->nan_depths += depth != depth;
             arguments->valid[i] = 0;
             continue;
@@ -218,7 +205,11 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
             visibility->primitives[count] = chunk->first_primitive + t;
             for (int i = 0; i < 3; i++)
                 indices[count * 3 + i] = (uint32_t)vertex_count + corner[i];
-            region_bins_add(&visibility->bins, &visibility->frame, v[0], v[1], v[2]);
+            region_bins_add(&visibility->bins, &visibility->frame,
+                            &(struct binned_triangle){{v[0], v[1], v[2]},
+                                                      &visibility->setups[count],
+                                                      chunk->number,
+                                                      chunk->material_count});
             count++;
         }
         vertex_count += chunk->vertex_count;
@@ -241,11 +232,12 @@ static void create_scratch(struct visibility *visibility) {
 
 bool visibility_create(struct visibility_device *device, const struct frame_payload *frame,
                        const struct region_grid *grid, const struct chunk_payload *chunks,
-                       size_t chunk_count, struct visibility **out, struct status *status) {
+                       size_t chunk_count, bool records_work, struct visibility **out,
+                       struct status *status) {
     struct visibility *visibility = memory_get(1, sizeof *visibility);
     visibility->frame = *frame;
     visibility->chunks = chunks;
-    region_bins_init(&visibility->bins, grid);
+    region_bins_init(&visibility->bins, grid, records_work);
     size_t vertices = 0, triangles = 0;
     for (size_t c = 0; c < chunk_count; c++) {
         vertices += chunks[c].vertex_count;
@@ -452,7 +444,7 @@ static void find_spans(struct visibility *visibility) {
     }
 }
 
-static struct region_head measure_region(const struct visibility *visibility) {
+static struct region_head measure_region(const struct visibility *visibility, uint32_t region) {
     struct region_head head = {
         .work_count = 1, .nan_depths = visibility->nan_depths, .rays = visibility->rays};
     uint32_t end = UINT32_MAX;
@@ -465,7 +457,8 @@ static struct region_head measure_region(const struct visibility *visibility) {
         head.run_count += span->sample != end;
         end = span->sample + span->count;
     }
-    head.longest_map = head.slots;
+    const uint32_t longest_map = visibility->bins.bins[region]->longest_map;
+    head.longest_map = longest_map > head.slots ? longest_map : head.slots;
     return head;
 }
 
@@ -475,7 +468,7 @@ struct message *visibility_render(struct visibility *visibility, uint32_t frame,
     visibility->nan_depths = visibility->rays = 0;
     cast_region(visibility, region);
     find_spans(visibility);
-    struct region_draft draft = region_draft_create(measure_region(visibility));
+    struct region_draft draft = region_draft_create(measure_region(visibility, region));
     draft.work[0] = (struct region_work){node.index, visibility->bins.bins[region]->triangles};
     uint32_t at = 0, run = 0;
     for (uint32_t i = 0; i < visibility->span_count; i++) {

@@ -16,11 +16,12 @@ struct visibility_device;
 bool visibility_device_create(struct visibility_device **device, struct status *status);
 void visibility_device_destroy(struct visibility_device *device);
 
-/* Builds the scene of a frame. The chunks are held by the messages, which the caller keeps until
- * destroy. */
+/* Builds the scene of a frame; `records_work`: its bins list the work of every chunk. The chunks
+ * are held by the messages, which the caller keeps until destroy. */
 bool visibility_create(struct visibility_device *device, const struct frame_payload *frame,
                        const struct region_grid *grid, const struct chunk_payload *chunks,
-                       size_t chunk_count, struct visibility **visibility, struct status *status);
+                       size_t chunk_count, bool records_work, struct visibility **visibility,
+                       struct status *status);
 void visibility_destroy(struct visibility *visibility);
 
 const struct region_bins *visibility_bins(const struct visibility *visibility);

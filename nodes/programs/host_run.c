@@ -85,7 +85,8 @@ static bool report_results(const struct render_options *options, const struct no
         render_summary_print(stdout, options, report, wall_s, pace);
     if (fflush(stdout) || ferror(stdout))
         return status_fail(status, STATUS_IO, "cannot write the summary to standard output");
-    return !options->json || render_json_write(options, report, wall_s, pace, status);
+    return (!options->record || render_record_write(options->record, report->record, status)) &&
+           (!options->json || render_json_write(options, report, wall_s, pace, status));
 }
 
 int host_run(const struct render_options *options) {

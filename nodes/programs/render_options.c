@@ -24,6 +24,7 @@ enum {
     OPTION_SAMPLES,
     OPTION_PNG,
     OPTION_JSON,
+    OPTION_RECORD,
     OPTION_COMPRESSION,
     OPTION_MATH,
     OPTION_SHADERS,
@@ -53,6 +54,7 @@ static const struct option long_options[] = {
     {"samples", required_argument, NULL, OPTION_SAMPLES},
     {"png", no_argument, NULL, OPTION_PNG},
     {"json", required_argument, NULL, OPTION_JSON},
+    {"record", required_argument, NULL, OPTION_RECORD},
     {"compression", required_argument, NULL, OPTION_COMPRESSION},
     {"math", required_argument, NULL, OPTION_MATH},
     {"explain-work", no_argument, NULL, OPTION_EXPLAIN_WORK},
@@ -126,6 +128,8 @@ static void print_help(bool is_host_program) {
          "      --json FILE            write the summary as JSON; - for standard output\n"
          "      --explain-work         say what was done for each frame, for whom, and what was "
          "skipped and why\n"
+         "      --record FILE          keep what every chunk and region cost, for predict, budget "
+         "and trace\n"
          "  -v, --verbose              say what each node does\n"
          "  -q, --quiet                only errors\n"
          "  -h, --help                 this text\n"
@@ -278,6 +282,10 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         return true;
     case OPTION_JSON:
         o->json = text;
+        return true;
+    case OPTION_RECORD:
+        o->record = text;
+        o->host.is_recorded = true;
         return true;
     case OPTION_COMPRESSION:
         ok = parse_choice(text, "--compression", compressions, &choice, status);

@@ -46,5 +46,7 @@ struct cJSON *render_work_json(const struct work_record *work);
 /* Writes options->json; the file appears whole. */
 bool render_json_write(const struct render_options *options, const struct host_report *report,
                        double wall_s, const struct pace_report *pace, struct status *status);
+/* Writes the record of a run; the file appears whole. */
+bool render_record_write(const char *path, const struct run_record *record, struct status *status);
 
 #endif

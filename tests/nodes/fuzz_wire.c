@@ -59,6 +59,9 @@ static void use(enum wire_kind kind, const struct message *message) {
     struct frame_record record;
     uint64_t bytes[CAUSE_COUNT];
     uint32_t count;
+    const struct chunk_work *work;
+    struct region_costs *costs;
+    size_t work_count;
     const char *text;
     switch (kind) {
     case WIRE_CONFIGURATION:
@@ -94,6 +97,17 @@ static void use(enum wire_kind kind, const struct message *message) {
     case WIRE_FRAME_DONE:
         if (frame_record_decode(message, &record, NULL))
             frame_record_finish(&record);
+        break;
+    case WIRE_CHUNK_WORK:
+        if (chunk_work_decode(message, &work, &work_count, NULL))
+            touch(work, work_count * sizeof *work);
+        break;
+    case WIRE_REGION_COSTS:
+        if (!region_costs_decode(message, &costs, &work_count, NULL))
+            break;
+        for (size_t i = 0; i < work_count; i++)
+            touch(costs[i].work, costs[i].work_count * sizeof *costs[i].work);
+        free(costs);
         break;
     default:
         text = text_decode(message, NULL);

@@ -102,6 +102,59 @@ static void degenerate_triangles_have_no_setup(void **state) {
     assert_false(triangle_setup_make(inf, b, c, true, &setup));
 }
 
+/* By looking at every sample of the region. */
+static bool region_is_covered(const struct frame_payload *frame, const struct region_grid *grid,
+                              uint32_t region, const struct triangle_setup *setup) {
+    uint32_t x0, y0;
+    region_grid_origin(grid, region, &x0, &y0);
+    for (uint32_t y = y0; y < y0 + grid->region_height && y < frame->height; y++)
+        for (uint32_t x = x0; x < x0 + grid->region_width && x < frame->width; x++) {
+            const float sx = region_grid_screen_x(grid, frame, x),
+                        sy = region_grid_screen_y(grid, frame, y);
+            const float depth = triangle_setup_depth(setup, sx, sy);
+            if (triangle_setup_is_inside(setup, sx, sy) && depth >= frame->near_plane &&
+                depth <= frame->far_plane)
+                return true;
+        }
+    return false;
+}
+
+static void a_region_counts_as_covered_where_a_sample_of_it_is(void **state) {
+    (void)state;
+    const struct machine machine = pixelflow();
+    struct rng rng = {22};
+    int covered = 0, touched = 0;
+    for (int round = 0; round < 1500; round++) {
+        const struct frame_payload frame = camera(300 + round % 7, 150, round % 2);
+        const struct region_grid grid = region_grid_make(&frame, &machine);
+        struct region_bins bins;
+        struct triangle_setup setup;
+        float v[9];
+        random_triangle(&rng, v);
+        for (int i = 0; round % 3 == 0 && i < 9; i++) /* slivers between samples, too */
+            v[i] = i % 3 == 2 ? v[2] : v[i % 3] + (v[i] - v[i % 3]) * 0.004f;
+        if (!triangle_setup_make(v, v + 3, v + 6, frame.is_perspective, &setup))
+            continue;
+        region_bins_init(&bins, &grid, true);
+        region_bins_add(&bins, &frame, &(struct binned_triangle){{v, v + 3, v + 6}, &setup, 5, 9});
+        for (uint32_t k = 0; k < grid.count; k++) {
+            const bool is_covered = region_is_covered(&frame, &grid, k, &setup);
+            assert_int_equal(bins.bins[k] && bins.bins[k]->is_covered, is_covered);
+            covered += is_covered;
+        }
+        for (size_t e = 0; e < bins.entry_count; e++) {
+            const struct chunk_work *entry = &bins.entries[e];
+            assert_int_equal(entry->chunk, 5);
+            assert_int_equal(entry->triangles, bins.bins[entry->region]->triangles);
+            assert_int_equal(entry->covers, bins.bins[entry->region]->is_covered);
+            assert_int_equal(bins.bins[entry->region]->longest_map, entry->covers ? 9 : 0);
+            touched += !entry->covers;
+        }
+        region_bins_finish(&bins);
+    }
+    assert_true(covered > 500 && touched > 100);
+}
+
 static void every_sample_inside_a_triangle_lies_in_a_marked_tile(void **state) {
     (void)state;
     const struct machine machine = pixelflow();
@@ -113,8 +166,11 @@ static void every_sample_inside_a_triangle_lies_in_a_marked_tile(void **state) {
         struct region_bins bins;
         float v[9];
         random_triangle(&rng, v);
-        region_bins_init(&bins, &grid);
-        region_bins_add(&bins, &frame, v, v + 3, v + 6);
+        struct triangle_setup setup;
+        if (!triangle_setup_make(v, v + 3, v + 6, frame.is_perspective, &setup))
+            continue;
+        region_bins_init(&bins, &grid, true);
+        region_bins_add(&bins, &frame, &(struct binned_triangle){{v, v + 3, v + 6}, &setup, 5, 9});
         for (uint32_t y = 0; y < frame.height; y++)
             for (uint32_t x = 0; x < frame.width; x++) {
                 long double depth, w[3];
@@ -155,7 +211,7 @@ static uint32_t covered_samples(const struct frame_payload *frame,
     struct visibility *visibility;
     uint32_t covered = 0;
     assert_true(visibility_device_create(&device, NULL));
-    assert_true(visibility_create(device, frame, &grid, chunk, 1, &visibility, NULL));
+    assert_true(visibility_create(device, frame, &grid, chunk, 1, false, &visibility, NULL));
     for (uint32_t k = 0; k < grid.count; k++) {
         struct region_view view;
         if (!visibility_bins(visibility)->bins[k])
@@ -233,6 +289,7 @@ int main(void) {
         cmocka_unit_test(setup_gives_depth_and_weights_of_the_textbook),
         cmocka_unit_test(degenerate_triangles_have_no_setup),
         cmocka_unit_test(every_sample_inside_a_triangle_lies_in_a_marked_tile),
+        cmocka_unit_test(a_region_counts_as_covered_where_a_sample_of_it_is),
         cmocka_unit_test(a_full_screen_mesh_covers_every_sample_in_any_vertex_order),
         cmocka_unit_test(extreme_triangles_do_no_harm),
         cmocka_unit_test(nothing_in_front_of_near_or_behind_far_is_seen),

@@ -70,6 +70,21 @@ static struct message *sample_record(void) {
     return frame_record_encode(&record, 0);
 }
 
+static struct message *sample_chunk_work(void) {
+    static const struct chunk_work work[] = {{0, 3, 12, 1}, {0, 4, 1, 0}, {2, 3, 7, 1}};
+    return chunk_work_encode(work, 3, 1, 2);
+}
+
+static struct message *sample_region_costs(void) {
+    const struct shading_work work[] = {
+        {.instance = SHADING_WORK_SHARED, .operations = {[SIMD_FLOAT_ADD] = 2}},
+        {.instance = 3, .operations = {[SIMD_SIN] = 4}}};
+    const struct region_costs costs[] = {
+        {.region = 1, .samples = 5, .work = work, .work_count = 2},
+        {.region = 9, .samples = 6, .work = work, .work_count = 1}};
+    return region_costs_encode(costs, 2, 1, 0);
+}
+
 static void charges_are_what_the_messages_carry(void **state) {
     (void)state;
     struct wire_header header;
@@ -104,6 +119,15 @@ static void what_is_encoded_is_decoded(void **state) {
     assert_string_equal(record.image_path, "x.exr");
     frame_record_finish(&record);
     message_release(message);
+    message = sample_region_costs();
+    struct region_costs *costs;
+    size_t count;
+    assert_true(region_costs_decode(message, &costs, &count, NULL));
+    assert_int_equal(count, 2);
+    assert_int_equal(costs[1].region, 9);
+    assert_int_equal(costs[0].work[1].operations[SIMD_SIN], 4);
+    free(costs);
+    message_release(message);
     message = sample_configuration();
     struct configuration configuration;
     assert_true(configuration_decode(message, &configuration, NULL));
@@ -113,8 +137,9 @@ static void what_is_encoded_is_decoded(void **state) {
 }
 
 typedef struct message *maker(void);
-static maker *const makers[] = {sample_region, sample_colour,        sample_instance,
-                                sample_chunk,  sample_configuration, sample_record};
+static maker *const makers[] = {sample_region,     sample_colour,        sample_instance,
+                                sample_chunk,      sample_configuration, sample_record,
+                                sample_chunk_work, sample_region_costs};
 
 static void a_flipped_bit_is_noticed_by_who_takes_the_message_apart(void **state) {
     (void)state;
@@ -141,8 +166,9 @@ static void a_flipped_bit_is_noticed_by_who_takes_the_message_apart(void **state
 static void damaged_payloads_under_good_checksums_do_no_harm(void **state) {
     (void)state;
     struct rng rng = {6};
-    static const enum wire_kind kinds[] = {WIRE_REGION, WIRE_COLOUR,        WIRE_INSTANCE,
-                                           WIRE_CHUNK,  WIRE_CONFIGURATION, WIRE_FRAME_DONE};
+    static const enum wire_kind kinds[] = {WIRE_REGION,     WIRE_COLOUR,        WIRE_INSTANCE,
+                                           WIRE_CHUNK,      WIRE_CONFIGURATION, WIRE_FRAME_DONE,
+                                           WIRE_CHUNK_WORK, WIRE_REGION_COSTS};
     for (size_t m = 0; m < sizeof makers / sizeof *makers; m++) {
         struct message *message = makers[m]();
         const size_t length = message->length - WIRE_HEADER_BYTES;
