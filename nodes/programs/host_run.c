@@ -78,9 +78,18 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
     return ok;
 }
 
-static bool report_results(const struct render_options *options, const struct node *host,
-                           double wall_s, const struct pace_report *pace, struct status *status) {
-    const struct host_report *report = host_node_report(host);
+/* What a run shows while it goes, and what is measured of it. */
+struct run_view {
+    const struct render_options *options;
+    struct render_progress progress;
+    struct pace_report pace;
+};
+
+static bool report_results(void *context, const struct host_report *report, struct status *status) {
+    const struct run_view *view = context;
+    const struct render_options *options = view->options;
+    const struct pace_report *pace = &view->pace;
+    const double wall_s = render_wall_s(&view->progress);
     if (options->verbosity >= 0 && !(options->json && options->json[0] == '-' && !options->json[1]))
         render_summary_print(stdout, options, report, wall_s, pace);
     if (fflush(stdout) || ferror(stdout))
@@ -89,12 +98,13 @@ static bool report_results(const struct render_options *options, const struct no
            (!options->json || render_json_write(options, report, wall_s, pace, status));
 }
 
-int host_run(const struct render_options *options) {
+static int run(struct run_view *view,
+               bool (*then)(void *, const struct host_report *, struct status *), void *context) {
+    const struct render_options *options = view->options;
     struct status status = {0};
     struct trace trace;
-    struct render_progress progress;
     struct node *host = NULL;
-    struct pace_report pace = {.scale = options->pace, .begin_ns = INT64_MIN};
+    view->pace = (struct pace_report){.scale = options->pace, .begin_ns = INT64_MIN};
     program_streams_ensure();
     program_signals_install();
     program_files_raise();
@@ -102,18 +112,18 @@ int host_run(const struct render_options *options) {
     trace_init(&trace, options->driver == DRIVER_IN_PROCESS ? "cluster" : "host",
                options->verbosity > 0 ? stderr : NULL);
     struct local_services *services = local_services_create(&trace, &program_stop);
-    render_progress_begin(&progress, options);
-    const struct host_observer observer = render_progress_observer(&progress);
+    render_progress_begin(&view->progress, options);
+    const struct host_observer observer = render_progress_observer(&view->progress);
     bool ok = host_node_create(&options->host, &observer, local_services_build_shaders, services,
                                &trace, &host, &status);
     if (ok)
         ok = options->driver == DRIVER_IN_PROCESS
                  ? run_in_process(host, options, services, &trace, &status)
-                 : run_by_sockets(host, options, &pace.begin_ns, &status);
-    render_progress_end(&progress);
-    pace.frame_done_ns = progress.frame_done_ns;
-    ok = ok && report_results(options, host, render_wall_s(&progress), &pace, &status);
-    render_progress_finish(&progress);
+                 : run_by_sockets(host, options, &view->pace.begin_ns, &status);
+    render_progress_end(&view->progress);
+    view->pace.frame_done_ns = view->progress.frame_done_ns;
+    ok = ok && then(context, host_node_report(host), &status);
+    render_progress_finish(&view->progress);
     if (!ok && !(status.code == STATUS_LOST && options->is_supervised) && status.code != STATUS_OK)
         fprintf(stderr, "sortlast: %s\n", status.message);
     node_destroy(host);
@@ -121,4 +131,17 @@ int host_run(const struct render_options *options) {
     return ok                         ? 0
            : status.code == STATUS_OK ? 128 + (int)program_stop
                                       : status_exit_code(status.code);
+}
+
+int host_run(const struct render_options *options) {
+    struct run_view view = {.options = options};
+    return run(&view, report_results, &view);
+}
+
+int host_run_then(const struct render_options *options,
+                  bool (*then)(void *context, const struct host_report *report,
+                               struct status *status),
+                  void *context) {
+    struct run_view view = {.options = options};
+    return run(&view, then, context);
 }

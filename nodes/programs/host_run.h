@@ -8,4 +8,11 @@
  * summary and writes the JSON. Returns the exit status. */
 int host_run(const struct render_options *options);
 
+/* The same without summary and JSON: what the run found out goes to `then`, whose failure is shown
+ * and decides the exit status. */
+int host_run_then(const struct render_options *options,
+                  bool (*then)(void *context, const struct host_report *report,
+                               struct status *status),
+                  void *context);
+
 #endif

@@ -144,6 +144,13 @@ static void print_help(bool is_host_program) {
          "3 a node was lost.");
 }
 
+int render_option_values(const char *name) {
+    for (const struct option *option = long_options; option->name; option++)
+        if (!strcmp(option->name, name))
+            return option->has_arg == required_argument;
+    return -1;
+}
+
 static bool parse_whole(const char *text, const char *what, long long minimum, long long maximum,
                         long long *value, struct status *status) {
     char *end;

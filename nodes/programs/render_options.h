@@ -34,6 +34,9 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
                          struct render_options *options);
 void render_options_finish(struct render_options *options);
 
+/* How many values a long option of `sortlast render` takes, -1 when it has none of that name. */
+int render_option_values(const char *name);
+
 /* The file of a machine description: `name` itself when it looks like a path, else NAME.json among
  * those that come with the program. */
 bool machine_find_file(const char *name, char *path, size_t size, struct status *status);

@@ -3,6 +3,7 @@
 #include "nodes/programs/host_run.h"
 #include "nodes/programs/local_cluster.h"
 #include "nodes/programs/machine_command.h"
+#include "nodes/programs/predict_command.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -22,6 +23,7 @@ static int render_main(int argc, char **argv) {
 #define VERBS(X)                                                                                   \
     X("render", render_main, "render a scene on a local cluster")                                  \
     X("compare", image_compare_main, "say how far two pictures are apart")                         \
+    X("predict", predict_main, "say what a recorded run would take on other clusters")             \
     X("machine", machine_main, "show, list or check machine descriptions")
 
 static void print_help(FILE *stream) {

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/programs/analysis_options.h"
+#include "nodes/programs/host_run.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Keeps the record of the run beyond the run, by way of a file's bytes. */
+static bool keep_record(void *context, const struct host_report *report, struct status *status) {
+    uint8_t *bytes;
+    size_t length;
+    if (!record_encode(report->record, &bytes, &length, status))
+        return false;
+    const bool ok = record_decode("record", bytes, length, context, status);
+    free(bytes);
+    return ok;
+}
+
+static int record_scene(const struct analysis_options *options, struct run_record **record) {
+    enum { OWN = 6 };
+    const char **arguments =
+        memory_get((size_t)options->forwarded_count + OWN + 1, sizeof *arguments);
+    int count = 0;
+    arguments[count++] = "render";
+    arguments[count++] = "--quiet";
+    arguments[count++] = "--driver=in-process";
+    for (size_t a = 0; a < options->axis_count; a++)
+        if (options->axes[a].kind == ANALYSIS_MACHINE) {
+            arguments[count++] = "--machine";
+            arguments[count++] = options->axes[a].labels[0];
+        }
+    for (int i = 0; i < options->forwarded_count; i++)
+        arguments[count++] = options->forwarded[i];
+    arguments[count++] = options->input;
+    struct render_options render;
+    int end = render_options_parse(count, (char **)arguments, false, &render);
+    if (!end) {
+        render.host.is_recorded = true;
+        end = 1 + host_run_then(&render, keep_record, record);
+    }
+    render_options_finish(&render);
+    free(arguments);
+    return end - 1;
+}
+
+int analysis_record_obtain(const struct analysis_options *options, struct run_record **record) {
+    struct status status = {0};
+    *record = NULL;
+    if (!record_is_file(options->input))
+        return record_scene(options, record);
+    if (options->forwarded_count)
+        status_fail(&status, STATUS_INVALID,
+                    "%s is for the run that records a scene, but %s is a record",
+                    options->forwarded[0], options->input);
+    else if (record_read_file(options->input, record, &status))
+        return 0;
+    fprintf(stderr, "sortlast: %s\n", status.message);
+    return status_exit_code(status.code);
+}
