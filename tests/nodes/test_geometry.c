@@ -152,7 +152,8 @@ static void a_region_counts_as_covered_where_a_sample_of_it_is(void **state) {
         }
         region_bins_finish(&bins);
     }
-    assert_true(covered > 500 && touched > 100);
+    if (covered < 400 || touched < 400)
+        fail_msg("only %d regions covered, %d touched without", covered, touched);
 }
 
 static void every_sample_inside_a_triangle_lies_in_a_marked_tile(void **state) {
