@@ -76,10 +76,10 @@ static void add_pace(cJSON *document, const struct host_report *report,
     for (size_t i = 0; i < report->frame_count; i++) {
         const double wall_ns = (double)pace_frame_ns(pace, i);
         cJSON *frame = cJSON_CreateObject();
-        add_whole(frame, "frame", report->frames[i].number);
+        json_add_whole(frame, "frame", report->frames[i].number);
         cJSON_AddNumberToObject(frame, "wall_s", wall_ns * 1e-9);
-        add_whole(frame, "scaled_wall_ps", (int64_t)(wall_ns * 1000 * pace->scale + 0.5));
-        add_whole(frame, "time_ps", report->frames[i].time_ps);
+        json_add_whole(frame, "scaled_wall_ps", (int64_t)(wall_ns * 1000 * pace->scale + 0.5));
+        json_add_whole(frame, "time_ps", report->frames[i].time_ps);
         cJSON_AddItemToArray(frames, frame);
     }
 }
