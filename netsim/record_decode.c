@@ -355,24 +355,35 @@ static bool check_head(const uint8_t *bytes, size_t length, uint64_t *payload_le
     return true;
 }
 
-bool record_decode(const char *file, const uint8_t *bytes, size_t length,
-                   struct run_record **record, struct status *status) {
-    uint64_t payload_length = 0, checksum = 0;
-    *record = NULL;
-    if (!check_head(bytes, length, &payload_length, &checksum, status))
-        return status_prefix(status, "%s", file);
-    uint8_t *payload = memory_try(payload_length + 1, 1, status);
-    if (!payload)
-        return status_prefix(status, "%s", file);
-    uLongf unpacked = payload_length;
+/* The payload, checked and unpacked; the caller's. NULL on failure. */
+static uint8_t *unpack(const uint8_t *bytes, size_t length, uint64_t *payload_length,
+                       struct status *status) {
+    uint64_t checksum = 0;
+    if (!check_head(bytes, length, payload_length, &checksum, status))
+        return NULL;
     uLong packed = length - RECORD_HEAD_BYTES;
-    const int result = uncompress2(payload, &unpacked, bytes + RECORD_HEAD_BYTES, &packed);
-    bool ok = result == Z_OK && unpacked == payload_length &&
-              packed == length - RECORD_HEAD_BYTES &&
-              checksum == hash_bytes(payload, payload_length, RECORD_VERSION);
-    if (!ok)
+    if (checksum != hash_bytes(bytes + RECORD_HEAD_BYTES, packed, RECORD_VERSION)) {
         status_fail(status, STATUS_INVALID,
                     "the record is damaged: its contents do not match their checksum");
+        return NULL;
+    }
+    uint8_t *payload = memory_try(*payload_length + 1, 1, status);
+    uLongf unpacked = *payload_length;
+    if (payload && (uncompress2(payload, &unpacked, bytes + RECORD_HEAD_BYTES, &packed) != Z_OK ||
+                    unpacked != *payload_length || packed != length - RECORD_HEAD_BYTES)) {
+        status_fail(status, STATUS_INVALID, "the record is damaged: its contents do not unpack");
+        free(payload);
+        return NULL;
+    }
+    return payload;
+}
+
+bool record_decode(const char *file, const uint8_t *bytes, size_t length,
+                   struct run_record **record, struct status *status) {
+    uint64_t payload_length = 0;
+    *record = NULL;
+    uint8_t *payload = unpack(bytes, length, &payload_length, status);
+    bool ok = payload != NULL;
     if (ok) {
         struct decoder *decoder = memory_get(1, sizeof *decoder);
         decoder->reader = (struct wire_reader){.bytes = payload, .length = payload_length};

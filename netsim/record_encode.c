@@ -135,10 +135,9 @@ static void put_frames(struct wire_writer *writer, const struct run_record *reco
         free(last[section].bytes);
 }
 
-static void fill_head(uint8_t *bytes, const struct wire_writer *payload) {
+static void fill_head(uint8_t *bytes, uint64_t length, size_t packed) {
     const uint32_t magic = RECORD_MAGIC, version = RECORD_VERSION;
-    const uint64_t length = payload->length,
-                   checksum = hash_bytes(payload->bytes, payload->length, RECORD_VERSION);
+    const uint64_t checksum = hash_bytes(bytes + RECORD_HEAD_BYTES, packed, RECORD_VERSION);
     memcpy(bytes + RECORD_AT_MAGIC, &magic, 4);
     memcpy(bytes + RECORD_AT_VERSION, &version, 4);
     memcpy(bytes + RECORD_AT_LENGTH, &length, 8);
@@ -167,7 +166,7 @@ bool record_encode(const struct run_record *record, uint8_t **bytes, size_t *len
                         Z_BEST_SPEED) != Z_OK)
         ok = status_fail(status, STATUS_LIMIT, "no memory to compress the record");
     if (ok) {
-        fill_head(*bytes, &payload);
+        fill_head(*bytes, payload.length, compressed);
         *length = RECORD_HEAD_BYTES + compressed;
     } else {
         free(*bytes);
