@@ -69,6 +69,12 @@ void analysis_options_finish(struct analysis_options *options);
  * been said; returns the exit status, 0 when *record is there. */
 int analysis_record_obtain(const struct analysis_options *options, struct run_record **record);
 
+/* The body of a verb: options, record, then `analyse`; says failures and returns the exit status.
+ */
+int analysis_main(const struct analysis_verb *verb, int argc, char **argv,
+                  bool (*analyse)(const struct analysis_options *options,
+                                  const struct run_record *record, struct status *status));
+
 /* The number of combinations of all items, and the question of one of them. Fails when the machine
  * with these values is none. */
 size_t analysis_combinations(const struct analysis_options *options);

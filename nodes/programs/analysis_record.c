@@ -57,3 +57,22 @@ int analysis_record_obtain(const struct analysis_options *options, struct run_re
     fprintf(stderr, "sortlast: %s\n", status.message);
     return status_exit_code(status.code);
 }
+
+int analysis_main(const struct analysis_verb *verb, int argc, char **argv,
+                  bool (*analyse)(const struct analysis_options *options,
+                                  const struct run_record *record, struct status *status)) {
+    struct analysis_options options;
+    struct run_record *record;
+    struct status status = {0};
+    const int end = analysis_options_parse(verb, argc, argv, &options);
+    int result = end ? end - 1 : analysis_record_obtain(&options, &record);
+    if (!end && !result) {
+        if (!analyse(&options, record, &status)) {
+            fprintf(stderr, "sortlast: %s\n", status.message);
+            result = status_exit_code(status.code);
+        }
+        record_destroy(record);
+    }
+    analysis_options_finish(&options);
+    return result;
+}

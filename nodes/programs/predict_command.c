@@ -232,7 +232,7 @@ static void predict_one(struct prediction_output *output, struct what_if_solver 
 }
 
 static bool predict_all(const struct analysis_options *options, const struct run_record *record,
-                        size_t *failures, struct status *status) {
+                        struct status *status) {
     struct prediction_output output = {.options = options, .record = record};
     cJSON *document = options->json ? cJSON_CreateObject() : NULL;
     if (document) {
@@ -251,7 +251,6 @@ static bool predict_all(const struct analysis_options *options, const struct run
     const size_t combinations = analysis_combinations(options);
     for (size_t i = 0; i < combinations; i++)
         predict_one(&output, solver, i);
-    *failures = output.failures;
     struct what_if question;
     bool ok = true;
     if (options->wants_sensitivity && !output.failures)
@@ -266,6 +265,9 @@ static bool predict_all(const struct analysis_options *options, const struct run
         ok = status_fail(status, STATUS_IO, "cannot write to standard output");
     what_if_solver_destroy(solver);
     cJSON_Delete(document);
+    if (ok && output.failures)
+        ok = status_fail(status, STATUS_INVALID, "%zu of %zu combinations have no answer",
+                         output.failures, combinations);
     return ok;
 }
 
@@ -283,21 +285,5 @@ int predict_main(int argc, char **argv) {
         .has_sensitivity = true,
         .has_explanation = true,
     };
-    struct analysis_options options;
-    struct run_record *record;
-    struct status status = {0};
-    size_t failures = 0;
-    const int end = analysis_options_parse(&verb, argc, argv, &options);
-    int result = end ? end - 1 : analysis_record_obtain(&options, &record);
-    if (!end && !result) {
-        if (!predict_all(&options, record, &failures, &status)) {
-            fprintf(stderr, "sortlast: %s\n", status.message);
-            result = status_exit_code(status.code);
-        } else if (failures) {
-            result = 1;
-        }
-        record_destroy(record);
-    }
-    analysis_options_finish(&options);
-    return result;
+    return analysis_main(&verb, argc, argv, predict_all);
 }

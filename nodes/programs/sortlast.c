@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "images/image_compare.h"
+#include "nodes/programs/budget.h"
 #include "nodes/programs/host_run.h"
 #include "nodes/programs/local_cluster.h"
 #include "nodes/programs/machine_command.h"
@@ -23,6 +24,7 @@ static int render_main(int argc, char **argv) {
 #define VERBS(X)                                                                                   \
     X("render", render_main, "render a scene on a local cluster")                                  \
     X("compare", image_compare_main, "say how far two pictures are apart")                         \
+    X("budget", budget_main, "say what samples and regions may cost, and what would help")         \
     X("predict", predict_main, "say what a recorded run would take on other clusters")             \
     X("machine", machine_main, "show, list or check machine descriptions")
 
