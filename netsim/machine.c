@@ -129,8 +129,8 @@ static bool read_entry(const char *file, const cJSON *entry, int64_t values[MACH
     if (!cJSON_IsNumber(value) || value->valuedouble != floor(value->valuedouble) ||
         !(fabs(value->valuedouble) < 9007199254740992.0))
         return status_fail(status, STATUS_INVALID,
-                           "%s: \"%s\" needs a \"value\" that is a whole number of %s", file,
-                           entry->string, machine_parameter_at(index).unit);
+                           "%s: \"%s\" needs a \"value\" that is a whole number of %s below 2^53",
+                           file, entry->string, machine_parameter_at(index).unit);
     if (!cJSON_IsString(source))
         return status_fail(
             status, STATUS_INVALID,

@@ -26,6 +26,12 @@
  * margin. */
 #define VISIBILITY_CONDITION_MAX 512.0
 
+/* Embree refuses coordinates beyond some 2^60, and its products of tiny ones vanish: triangles
+ * whose largest coordinate is outside these powers of two are cast against in scenes of their own,
+ * scaled about the eye by a power of two. */
+#define VISIBILITY_EXPONENT_MIN (-30)
+#define VISIBILITY_EXPONENT_MAX 58
+
 struct visibility_device {
     RTCDevice device;
 };
@@ -39,8 +45,9 @@ struct span {
     uint32_t triangle, sample, count;
 };
 
-/* Triangles whose distance is certain enough to skip by, and those seen nearly edge-on. */
-enum { SCENE_SKIPPING, SCENE_CAREFUL, SCENE_COUNT };
+/* Triangles whose distance is certain enough to skip by, those seen nearly edge-on, and those that
+ * need another scale. */
+enum { SCENE_SKIPPING, SCENE_CAREFUL, SCENE_HUGE, SCENE_TINY, SCENE_COUNT };
 
 struct visibility {
     struct frame_payload frame;
@@ -54,6 +61,7 @@ struct visibility {
         RTCScene scene;      /* NULL: no triangles */
         uint32_t *triangles; /* Embree's number -> ours */
         uint32_t count;
+        float scale; /* Embree's coordinates over ours: a power of two */
     } scenes[SCENE_COUNT];
     /* scratch for one region, by sample index */
     float *depth;
@@ -143,7 +151,8 @@ static bool build_scene(struct traced_scene *traced, RTCDevice device, const flo
     uint32_t *t = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                           3 * sizeof(uint32_t), traced->count);
     if (v && t) {
-        memcpy(v, vertices, vertex_count * 3 * sizeof(float));
+        for (size_t i = 0; i < 3 * vertex_count; i++)
+            v[i] = vertices[i] * traced->scale;
         for (uint32_t i = 0; i < traced->count; i++)
             memcpy(t + 3 * (size_t)i, corners + 3 * (size_t)traced->triangles[i],
                    3 * sizeof(uint32_t));
@@ -177,6 +186,26 @@ static double distance_condition(const float *v0, const float *v1, const float *
     return size * length / certain; /* infinite or not a number when seen on edge */
 }
 
+/* The exponent of the largest coordinate of a triangle. */
+static int largest_exponent(const float *const v[3]) {
+    float largest = 0;
+    for (int i = 0; i < 3; i++)
+        for (int axis = 0; axis < 3; axis++)
+            largest = fmaxf(largest, fabsf(v[i][axis]));
+    return largest > 0 ? ilogbf(largest) : 0;
+}
+
+static int choose_scene(const float *const v[3], bool is_perspective) {
+    const int exponent = largest_exponent(v);
+    if (exponent > VISIBILITY_EXPONENT_MAX)
+        return SCENE_HUGE;
+    if (exponent < VISIBILITY_EXPONENT_MIN)
+        return SCENE_TINY;
+    return distance_condition(v[0], v[1], v[2], is_perspective) < VISIBILITY_CONDITION_MAX
+               ? SCENE_SKIPPING
+               : SCENE_CAREFUL;
+}
+
 /* Collects the triangles that can be seen: set up, binned, and given to Embree under their index
  * here. */
 static size_t collect_triangles(struct visibility *visibility, size_t chunk_count, float *vertices,
@@ -195,11 +224,8 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
             if (!triangle_setup_make(v[0], v[1], v[2], visibility->frame.is_perspective,
                                      &visibility->setups[count]))
                 continue;
-            const bool is_certain =
-                distance_condition(v[0], v[1], v[2], visibility->frame.is_perspective) <
-                VISIBILITY_CONDITION_MAX;
             struct traced_scene *traced =
-                &visibility->scenes[is_certain ? SCENE_SKIPPING : SCENE_CAREFUL];
+                &visibility->scenes[choose_scene(v, visibility->frame.is_perspective)];
             traced->triangles[traced->count++] = (uint32_t)count;
             visibility->sources[count] = (struct triangle_source){(uint32_t)c, t};
             visibility->primitives[count] = chunk->first_primitive + t;
@@ -248,8 +274,12 @@ bool visibility_create(struct visibility_device *device, const struct frame_payl
         visibility->setups = memory_get(triangles, sizeof *visibility->setups);
         visibility->sources = memory_get(triangles, sizeof *visibility->sources);
         visibility->primitives = memory_get(triangles, sizeof *visibility->primitives);
-        for (int i = 0; i < SCENE_COUNT; i++)
+        for (int i = 0; i < SCENE_COUNT; i++) {
             visibility->scenes[i].triangles = memory_get(triangles, sizeof(uint32_t));
+            visibility->scenes[i].scale = 1;
+        }
+        visibility->scenes[SCENE_HUGE].scale = ldexpf(1, VISIBILITY_EXPONENT_MAX - 127);
+        visibility->scenes[SCENE_TINY].scale = ldexpf(1, 100);
         float *positions = memory_get(vertices * 3, sizeof *positions);
         uint32_t *indices = memory_get(triangles * 3, sizeof *indices);
         collect_triangles(visibility, chunk_count, positions, indices);
@@ -316,8 +346,6 @@ static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, u
         packet.y[lane] = y;
         packet.depth[lane] = INFINITY;
         packet.triangle[lane] = 0;
-        rays.ray.org_x[lane] = is_perspective ? 0 : x;
-        rays.ray.org_y[lane] = is_perspective ? 0 : y;
         rays.ray.org_z[lane] = 0;
         rays.ray.dir_x[lane] = is_perspective ? x : 0;
         rays.ray.dir_y[lane] = is_perspective ? y : 0;
@@ -335,6 +363,8 @@ static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, u
         rtcInitIntersectContext(&packet.context);
         packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         for (unsigned lane = 0; lane < 16; lane++) {
+            rays.ray.org_x[lane] = is_perspective ? 0 : packet.x[lane] * packet.scene->scale;
+            rays.ray.org_y[lane] = is_perspective ? 0 : packet.y[lane] * packet.scene->scale;
             rays.ray.tfar[lane] = INFINITY;
             rays.hit.geomID[lane] = rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
         }

@@ -6,6 +6,7 @@ exits non-zero when one failed. The build folder comes from SORTLAST_BUILD."""
 
 import json
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -73,6 +74,36 @@ class Folder:
             time.sleep(0.02)
         assert not processes_in(self.path), "processes left: %s" % processes_in(self.path)
         assert not os.listdir(self.file("tmp")), "files left: %s" % os.listdir(self.file("tmp"))
+
+
+def read_exr(path):
+    """Channels of an uncompressed OpenEXR file: name -> rows of numbers (floats, or whole numbers of UINT)."""
+    with open(path, "rb") as file:
+        data = file.read()
+    at, attributes = 8, {}
+    while data[at]:
+        end = data.index(b"\0", at)
+        name, at = data[at:end].decode(), data.index(b"\0", end + 1) + 1
+        size, = struct.unpack_from("<i", data, at)
+        attributes[name] = data[at + 4:at + 4 + size]
+        at += 4 + size
+    assert attributes["compression"] == b"\0", "the picture is compressed"
+    channels, text, place = [], attributes["channels"], 0
+    while text[place]:
+        end = text.index(b"\0", place)
+        channels.append((text[place:end].decode(), struct.unpack_from("<i", text, end + 1)[0]))
+        place = end + 17
+    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
+    width, height = right - left + 1, bottom - top + 1
+    planes = {name: [] for name, kind in channels}
+    at += 1 + 8 * height  # the offsets of the lines
+    for _ in range(height):
+        at += 8
+        for name, kind in channels:
+            code, size = [("I", 4), ("e", 2), ("f", 4)][kind]
+            planes[name].append(struct.unpack_from("<%d%s" % (width, code), data, at))
+            at += size * width
+    return planes
 
 
 def processes_in(path):
