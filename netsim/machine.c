@@ -210,8 +210,8 @@ int64_t machine_region_samples(const struct machine *machine) {
     return machine->region_width * machine->region_height;
 }
 
-int64_t machine_map_words(const struct machine *machine, int64_t map_floats) {
+int64_t machine_map_words(const struct machine *machine, int64_t map_bytes) {
     int64_t payload = machine->composition_word_bytes - machine->composition_depth_bytes;
-    int64_t bytes = machine->composition_shader_id_bytes + 4 * map_floats;
+    int64_t bytes = machine->composition_shader_id_bytes + map_bytes;
     return (bytes + payload - 1) / payload;
 }

@@ -57,9 +57,9 @@ void machine_to_values(const struct machine *machine, int64_t values[MACHINE_VAL
 bool machine_from_values(const char *name, const int64_t values[MACHINE_VALUE_COUNT],
                          struct machine *machine, struct status *status);
 
-/* Samples of a region, and composition words a sample takes with `map_floats` floats of parameters
+/* Samples of a region, and composition words a sample takes with `map_bytes` bytes of parameters
  * (the shader ID comes on top; FACTS: 28 payload bytes of every 32). At least one word. */
 int64_t machine_region_samples(const struct machine *machine);
-int64_t machine_map_words(const struct machine *machine, int64_t map_floats);
+int64_t machine_map_words(const struct machine *machine, int64_t map_bytes);
 
 #endif

@@ -21,7 +21,8 @@ enum record_use {
 
 struct record_parameter {
     char *name;
-    uint32_t floats;
+    uint32_t floats; /* of a vertex, or of the instance */
+    uint32_t bytes;  /* of a sample on the composition network: less for fixed-point */
     enum record_use use;
     bool is_geometric; /* a predefined variable of the surface, like N or s: cannot be bound */
 };
@@ -32,7 +33,7 @@ struct record_instance {
     uint32_t parameter_count;
     uint64_t bound_bytes; /* on the geometry network */
 };
-/* Floats of its parameters of one use; of the material ones, the length of its transfer map. */
+/* Floats of its parameters of one use. */
 uint32_t record_instance_floats(const struct record_instance *instance, enum record_use use);
 
 struct record_chunk {
@@ -62,7 +63,7 @@ enum { RECORD_SHARED = 0x10000 };
 
 struct record_region {
     uint32_t samples;                  /* covered; 0: a token */
-    uint64_t map_floats;               /* sum over the samples of the lengths of their own maps */
+    uint64_t map_bytes;                /* sum over the samples of their own maps */
     uint32_t first_entry, entry_count; /* by ascending chunk */
     uint32_t first_work, work_count;
 };

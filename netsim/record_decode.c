@@ -97,6 +97,9 @@ static void get_shaders(struct decoder *decoder, struct record_frame *frame) {
             instance->parameters[p].name = get_string(decoder);
             instance->parameters[p].floats =
                 (uint32_t)get_between(decoder, 0, RECORD_FLOATS_MAX - floats);
+            instance->parameters[p].bytes =
+                (uint32_t)get_between(decoder, instance->parameters[p].floats,
+                                      8 * (uint64_t)instance->parameters[p].floats);
             instance->parameters[p].use =
                 (enum record_use)get_between(decoder, 0, RECORD_USE_COUNT - 1);
             instance->parameters[p].is_geometric = get_between(decoder, 0, 1);
@@ -153,7 +156,8 @@ static void get_regions(struct decoder *decoder, struct record_frame *frame,
     for (uint32_t k = 0; k < frame->region_count && !decoder->reader.failed; k++) {
         struct record_region *region = &frame->regions[k];
         region->samples = (uint32_t)get_between(decoder, 0, region_samples);
-        region->map_floats = get_between(decoder, 0, (uint64_t)region->samples * RECORD_FLOATS_MAX);
+        region->map_bytes =
+            get_between(decoder, 0, (uint64_t)region->samples * 8 * RECORD_FLOATS_MAX);
         uint64_t before = 0;
         for (uint32_t e = 0, count = get_count(decoder); e < count; e++) {
             const uint64_t step = get_between(decoder, e ? 1 : 0, UINT32_MAX),

@@ -37,6 +37,7 @@ static void put_shaders(struct wire_writer *writer, const struct record_frame *f
         for (uint32_t p = 0; p < instance->parameter_count; p++) {
             put_string(writer, instance->parameters[p].name);
             put_number(writer, instance->parameters[p].floats);
+            put_number(writer, instance->parameters[p].bytes);
             put_number(writer, instance->parameters[p].use);
             put_number(writer, instance->parameters[p].is_geometric);
         }
@@ -59,7 +60,7 @@ static void put_regions(struct wire_writer *writer, const struct record_frame *f
     for (uint32_t k = 0; k < frame->region_count; k++) {
         const struct record_region *region = &frame->regions[k];
         put_number(writer, region->samples);
-        put_number(writer, region->map_floats);
+        put_number(writer, region->map_bytes);
         put_number(writer, region->entry_count);
         uint32_t before = 0;
         for (uint32_t e = 0; e < region->entry_count; e++) {

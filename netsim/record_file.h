@@ -22,7 +22,7 @@
  *         works (shader, operations (number, count)) */
 #define RECORD_MAGIC 0x524c5453u /* "STLR" */
 enum {
-    RECORD_VERSION = 1,
+    RECORD_VERSION = 2,
     RECORD_AT_MAGIC = 0,
     RECORD_AT_VERSION = 4,
     RECORD_AT_LENGTH = 8,

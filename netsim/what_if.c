@@ -11,7 +11,7 @@ struct frame_layout {
     struct timing_region *regions; /* with work; costs are filled in for each solution */
     struct timing_work *work;
     uint32_t *shading_node;
-    uint32_t *map_floats; /* [instance] */
+    uint32_t *map_bytes; /* [instance] */
 };
 
 struct what_if_solver {
@@ -46,7 +46,7 @@ struct what_if_solver *what_if_solver_create(const struct run_record *record) {
         layout->regions = memory_get(frame->region_count, sizeof *layout->regions);
         layout->work = memory_get(frame->entry_count, sizeof *layout->work);
         layout->shading_node = memory_get(frame->region_count, sizeof *layout->shading_node);
-        layout->map_floats = memory_get(frame->instance_count, sizeof *layout->map_floats);
+        layout->map_bytes = memory_get(frame->instance_count, sizeof *layout->map_bytes);
     }
     return solver;
 }
@@ -58,7 +58,7 @@ void what_if_solver_destroy(struct what_if_solver *solver) {
         free(solver->layouts[f].regions);
         free(solver->layouts[f].work);
         free(solver->layouts[f].shading_node);
-        free(solver->layouts[f].map_floats);
+        free(solver->layouts[f].map_bytes);
     }
     free(solver->layouts);
     free(solver->frames);
@@ -161,7 +161,7 @@ static bool is_in_union(const struct record_frame *frame, uint32_t i, uint32_t p
         const struct record_instance *instance = &frame->instances[j];
         for (uint32_t q = 0; q < (j < i ? instance->parameter_count : p); q++)
             if (!strcmp(instance->parameters[q].name, parameter->name) &&
-                instance->parameters[q].floats >= parameter->floats &&
+                instance->parameters[q].bytes >= parameter->bytes &&
                 travels(instance, &instance->parameters[q], question))
                 return true;
     }
@@ -176,22 +176,31 @@ static uint32_t own_floats(const struct record_instance *instance, const struct 
     return floats;
 }
 
-static uint32_t union_floats(const struct record_frame *frame, const struct what_if *question) {
-    uint32_t floats = 0;
+static uint32_t own_bytes(const struct record_instance *instance, const struct what_if *question) {
+    uint32_t bytes = 0;
+    for (uint32_t p = 0; p < instance->parameter_count; p++)
+        if (travels(instance, &instance->parameters[p], question))
+            bytes += instance->parameters[p].bytes;
+    return bytes;
+}
+
+static uint32_t union_bytes(const struct record_frame *frame, const struct what_if *question) {
+    uint32_t bytes = 0;
     for (uint32_t i = 0; i < frame->instance_count; i++)
         for (uint32_t p = 0; p < frame->instances[i].parameter_count; p++)
             if (travels(&frame->instances[i], &frame->instances[i].parameters[p], question) &&
                 !is_in_union(frame, i, p, question))
-                floats += frame->instances[i].parameters[p].floats;
-    return floats;
+                bytes += frame->instances[i].parameters[p].bytes;
+    return bytes;
 }
 
-uint32_t what_if_map_floats(const struct record_frame *frame, uint32_t instance,
-                            const struct what_if *question) {
+uint32_t what_if_map_bytes(const struct record_frame *frame, uint32_t instance,
+                           const struct what_if *question) {
+    enum { POSITION_BYTES = 12 };
     return (question->maps & WHAT_IF_MAPS_UNION
-                ? union_floats(frame, question)
-                : own_floats(&frame->instances[instance], question)) +
-           (question->maps & WHAT_IF_MAPS_POSITION ? 3 : 0);
+                ? union_bytes(frame, question)
+                : own_bytes(&frame->instances[instance], question)) +
+           (question->maps & WHAT_IF_MAPS_POSITION ? POSITION_BYTES : 0);
 }
 
 /* What the geometry network carries when maps differ from those recorded: vertices with more or
@@ -263,13 +272,13 @@ ticks what_if_shading(const struct record_frame *frame, const struct record_regi
 }
 
 static int64_t longest_map(const struct record_frame *frame, const struct record_region *region,
-                           const uint32_t *map_floats, bool is_union) {
-    uint32_t longest = is_union && frame->instance_count ? map_floats[0] : 0;
+                           const uint32_t *map_bytes, bool is_union) {
+    uint32_t longest = is_union && frame->instance_count ? map_bytes[0] : 0;
     for (uint32_t e = 0; e < region->entry_count; e++) {
         const struct record_entry *entry = &frame->entries[region->first_entry + e];
-        const uint32_t floats = map_floats[frame->chunks[entry->chunk].instance - 1];
-        if (entry->covers && floats > longest)
-            longest = floats;
+        const uint32_t bytes = map_bytes[frame->chunks[entry->chunk].instance - 1];
+        if (entry->covers && bytes > longest)
+            longest = bytes;
     }
     return longest;
 }
@@ -300,9 +309,9 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
     struct frame_layout *layout = &solver->layouts[f];
     const struct machine *machine = &question->machine;
     for (uint32_t i = 0; i < frame->instance_count; i++)
-        layout->map_floats[i] = i && (question->maps & WHAT_IF_MAPS_UNION)
-                                    ? layout->map_floats[0]
-                                    : what_if_map_floats(frame, i, question);
+        layout->map_bytes[i] = i && (question->maps & WHAT_IF_MAPS_UNION)
+                                    ? layout->map_bytes[0]
+                                    : what_if_map_bytes(frame, i, question);
     *result = (struct what_if_frame){.geometry_bytes = geometry_bytes(frame, question)};
     for (uint32_t k = 0; k < frame->region_count; k++) {
         const struct record_region *region = &frame->regions[k];
@@ -311,7 +320,7 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
         timing->shading = 0;
         if (region->samples) {
             timing->words = (uint32_t)machine_map_words(
-                machine, longest_map(frame, region, layout->map_floats,
+                machine, longest_map(frame, region, layout->map_bytes,
                                      question->maps & WHAT_IF_MAPS_UNION));
             timing->shading = shading_of(frame, region, question, price);
             result->regions_covered++;

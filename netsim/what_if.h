@@ -89,9 +89,10 @@ void what_if_solver_destroy(struct what_if_solver *solver);
 bool what_if_solve(struct what_if_solver *solver, const struct what_if *question,
                    struct timeline *timeline, struct what_if_result *result, struct status *status);
 
-/* Floats that travel with each sample of instance i (from 0) of a frame under these maps. */
-uint32_t what_if_map_floats(const struct record_frame *frame, uint32_t instance,
-                            const struct what_if *question);
+/* Bytes that travel with each sample of instance i (from 0) of a frame under these maps, the shader
+ * ID aside. */
+uint32_t what_if_map_bytes(const struct record_frame *frame, uint32_t instance,
+                           const struct what_if *question);
 /* Shading of one region, all shaders present. */
 ticks what_if_shading(const struct record_frame *frame, const struct record_region *region,
                       const struct what_if *question);

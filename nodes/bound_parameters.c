@@ -26,9 +26,11 @@ static bool is_direction_or_point(enum shader_type type) {
     return type == SHADER_POINT || type == SHADER_VECTOR || type == SHADER_NORMAL;
 }
 
-/* Old scenes declare directions as points: any of the three fits any other. */
+/* Old scenes declare directions as points: any of the three fits any other. Scenes have no
+ * fixed-point: floats are converted where they arrive. */
 static bool types_fit(enum shader_type wanted, enum shader_type given) {
-    return wanted == given || (is_direction_or_point(wanted) && is_direction_or_point(given));
+    return wanted == given || (wanted == SHADER_FIXED && given == SHADER_FLOAT) ||
+           (is_direction_or_point(wanted) && is_direction_or_point(given));
 }
 
 static const struct shader_parameter *find_parameter(const struct shader_program *program,
@@ -39,7 +41,20 @@ static const struct shader_parameter *find_parameter(const struct shader_program
     return NULL;
 }
 
-static void to_camera(float *value, enum shader_type type, const struct mat4 *matrix) {
+enum shader_type bound_parameter_transformed_as(const struct shader_parameter *parameter) {
+    switch (parameter->transform) {
+    case SHADER_TRANSFORM_POINT:
+        return SHADER_POINT;
+    case SHADER_TRANSFORM_VECTOR:
+        return SHADER_VECTOR;
+    case SHADER_TRANSFORM_NORMAL:
+        return SHADER_NORMAL;
+    default:
+        return is_direction_or_point(parameter->type) ? parameter->type : SHADER_FLOAT;
+    }
+}
+
+void bound_parameter_to_camera(float *value, enum shader_type type, const struct mat4 *matrix) {
     struct vec3 v = vec3_make(value[0], value[1], value[2]);
     struct mat4 inverse;
     if (type == SHADER_POINT)
@@ -105,9 +120,9 @@ static void store(const struct shader_parameter *parameter, const struct scene_p
         }
     } else {
         memcpy(out, value->values, (size_t)parameter->components * sizeof(float));
-        if (is_direction_or_point(parameter->type))
-            for (int i = 0; i + 3 <= parameter->components; i += 3)
-                to_camera(out + i, parameter->type, matrix);
+        const enum shader_type type = bound_parameter_transformed_as(parameter);
+        for (int i = 0; i + 3 <= parameter->components && type != SHADER_FLOAT; i += 3)
+            bound_parameter_to_camera(out + i, type, matrix);
     }
     memset(given + parameter->bound_offset, 1, (size_t)parameter->components);
 }

@@ -21,4 +21,10 @@ struct bound_source {
 bool bound_parameters_fill(const struct shader_program *program, const struct bound_source *source,
                            float *bound, uint8_t *given, struct status *status);
 
+/* What the parameter's values are transformed as: its type, or what its transformation attribute
+ * says (PF section 3.1); SHADER_FLOAT: they are not. */
+enum shader_type bound_parameter_transformed_as(const struct shader_parameter *parameter);
+/* Brings a point, vector or normal into camera space, in place. */
+void bound_parameter_to_camera(float *value, enum shader_type type, const struct mat4 *matrix);
+
 #endif

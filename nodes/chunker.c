@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/chunker.h"
 
+#include "nodes/bound_parameters.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +20,8 @@ struct chunk_builder {
     uint32_t *stamp;  /* number of the chunk (plus 1) that last used the vertex */
     float *positions; /* CHUNK_VERTICES_MAX * 3 */
     float *material;
+    float **transformed; /* values in camera space that the mesh has in object space */
+    size_t transformed_count, transformed_capacity;
     uint16_t triangles[CHUNK_TRIANGLES_MAX * 3];
     struct chunk_payload chunk;
     struct message **messages;
@@ -32,6 +36,24 @@ static const struct scene_variable *find_variable(const struct scene_mesh *mesh,
     return NULL;
 }
 
+/* The values of a variable that feeds a parameter with a transformation attribute from plain floats
+ * (PF section 3.1), brought into camera space; kept until the mesh is done. */
+static const float *transformed_values(struct chunk_builder *builder,
+                                       const struct shader_parameter *parameter,
+                                       const struct scene_variable *variable) {
+    const size_t count = builder->mesh->vertex_count;
+    builder->transformed =
+        memory_grow(builder->transformed, &builder->transformed_capacity,
+                    builder->transformed_count + 1, sizeof *builder->transformed);
+    float *values = memory_get(count * 3, sizeof *values);
+    memcpy(values, variable->values, count * 3 * sizeof *values);
+    for (size_t v = 0; v < count; v++)
+        bound_parameter_to_camera(values + 3 * v, bound_parameter_transformed_as(parameter),
+                                  &builder->mesh->object_to_camera);
+    builder->transformed[builder->transformed_count++] = values;
+    return values;
+}
+
 /* Lists the sources of all components in the order of the transfer map. */
 static void list_components(struct chunk_builder *builder, const struct shader_program *program) {
     static const float zero;
@@ -44,14 +66,17 @@ static void list_components(struct chunk_builder *builder, const struct shader_p
         if (!parameter->is_material)
             continue;
         const struct scene_variable *variable = find_variable(builder->mesh, parameter->name);
+        const float *values = variable ? variable->values : NULL;
+        if (variable && variable->type == SCENE_FLOAT &&
+            bound_parameter_transformed_as(parameter) != SHADER_FLOAT)
+            values = transformed_values(builder, parameter, variable);
         const float *constant = !strcmp(parameter->name, "Cs")   ? builder->mesh->color
                                 : !strcmp(parameter->name, "Os") ? builder->mesh->opacity
                                                                  : NULL;
         for (int c = 0; c < parameter->components; c++) {
             struct component_source *source = &builder->components[parameter->map_offset + c];
             if (variable)
-                *source =
-                    (struct component_source){variable->values + c, (size_t)variable->components};
+                *source = (struct component_source){values + c, (size_t)variable->components};
             else if (constant)
                 *source = (struct component_source){constant + c, 0};
         }
@@ -104,6 +129,7 @@ static void cut_mesh(struct chunk_builder *builder, const struct shader_program 
     const struct scene_variable *outside = mesh->is_two_sided ? NULL : find_variable(mesh, "Ng");
     list_components(builder, program);
     builder->chunk.material_count = builder->component_count;
+    builder->chunk.map_bytes = (uint32_t)program->material_bytes;
     builder->local = memory_get(mesh->vertex_count, sizeof *builder->local);
     builder->stamp = memory_get(mesh->vertex_count, sizeof *builder->stamp);
     builder->material = memory_get((size_t)CHUNK_VERTICES_MAX * builder->component_count,
@@ -123,6 +149,8 @@ static void cut_mesh(struct chunk_builder *builder, const struct shader_program 
             flush_chunk(builder);
     }
     flush_chunk(builder);
+    while (builder->transformed_count)
+        free(builder->transformed[--builder->transformed_count]);
     free(builder->components);
     free(builder->local);
     free(builder->stamp);
@@ -150,6 +178,7 @@ bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
     *chunks = builder->messages;
     *chunk_count = builder->message_count;
     free(builder->positions);
+    free(builder->transformed);
     free(builder);
     return ok;
 }

@@ -91,7 +91,7 @@ static void keep_costs(struct collected_frame *frame, uint32_t region,
     frame->costs[frame->cost_count++] =
         (struct region_costs){.region = region,
                               .samples = view->head.sample_count,
-                              .map_floats = view->map_floats,
+                              .map_bytes = view->map_bytes,
                               .work = work,
                               .work_count = view->shading_work_count};
 }
@@ -100,7 +100,7 @@ static void keep_costs(struct collected_frame *frame, uint32_t region,
  * region, and within them what covered samples really say (docs/timing.md). A region without
  * candidates is one word. */
 static void charge_composition(struct frame_record *record, const struct machine *machine,
-                               int64_t words, uint64_t covered, uint64_t map_floats) {
+                               int64_t words, uint64_t covered, uint64_t map_bytes) {
     const uint64_t word = (uint64_t)machine->composition_word_bytes,
                    depth = (uint64_t)machine->composition_depth_bytes;
     const uint64_t count = words ? (uint64_t)machine_region_samples(machine) * (uint64_t)words : 1;
@@ -108,8 +108,8 @@ static void charge_composition(struct frame_record *record, const struct machine
     record->composition.total += count * word;
     record->composition.depth += count * depth;
     record->composition.shader_id += shader_id;
-    record->composition.parameters += 4 * map_floats;
-    record->composition.padding += count * (word - depth) - shader_id - 4 * map_floats;
+    record->composition.parameters += map_bytes;
+    record->composition.padding += count * (word - depth) - shader_id - map_bytes;
 }
 
 /* Adds what one region cost to the record of the frame's work. */
@@ -143,14 +143,14 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
     struct arrived_region *arrived = &frame->regions[k];
     struct timing_region *timing = &frame->timing[k];
     const uint32_t samples = frame->grid.region_width * frame->grid.region_height;
-    uint64_t covered = 0, map_floats = 0;
+    uint64_t covered = 0, map_bytes = 0;
     if (arrived->is_coloured) {
         struct colour_view view;
         if (!colour_open(arrived->message, samples, self->configuration.rendering_nodes, &view,
                          status))
             return false;
         covered = view.head.sample_count;
-        map_floats = view.map_floats;
+        map_bytes = view.map_bytes;
         timing->words = (uint32_t)machine_map_words(machine, view.head.longest_map);
         timing->shading = shading_work_price(machine, view.shading_work, view.shading_work_count);
         timing->work = copy_work(view.work, view.head.work_count);
@@ -178,7 +178,7 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
     }
     frame->record.regions_covered += covered > 0;
     frame->record.samples_covered += covered;
-    charge_composition(&frame->record, machine, timing->words, covered, map_floats);
+    charge_composition(&frame->record, machine, timing->words, covered, map_bytes);
     frame->record.framebuffer.bytes +=
         covered ? (uint64_t)(machine->colour_words * machine->composition_word_bytes) * samples : 0;
     message_release(arrived->message);

@@ -172,15 +172,15 @@ static void report_instances(struct host_node *self, const struct frame_plan *pl
         struct instance_report *instance = &report->instances[i];
         memcpy(instance->name, plan->instances[i].name, sizeof instance->name);
         instance->shader = program->name;
-        instance->map_bytes = (uint32_t)(self->options.machine.composition_shader_id_bytes +
-                                         4 * program->material_count);
+        instance->map_bytes =
+            (uint32_t)(self->options.machine.composition_shader_id_bytes + program->material_bytes);
         instance->bound_bytes = plan->instances[i].bound_bytes;
         instance->parameters =
             memory_get((size_t)program->parameter_count, sizeof *instance->parameters);
         for (int p = 0; p < program->parameter_count; p++)
             if (program->parameters[p].is_material)
                 instance->parameters[instance->parameter_count++] = (struct planned_parameter){
-                    program->parameters[p].name, 4 * (uint32_t)program->parameters[p].components};
+                    program->parameters[p].name, (uint32_t)program->parameters[p].bytes};
     }
 }
 

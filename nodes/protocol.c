@@ -217,6 +217,7 @@ struct message *chunk_payload_encode(const struct chunk_payload *chunk, uint32_t
     wire_put_u32(&writer, chunk->vertex_count);
     wire_put_u32(&writer, chunk->triangle_count);
     wire_put_u32(&writer, chunk->material_count);
+    wire_put_u32(&writer, chunk->map_bytes);
     wire_put(&writer, chunk->positions, v * 3 * sizeof(float));
     wire_put(&writer, chunk->material, v * m * sizeof(float));
     wire_put(&writer, chunk->triangles, t * 3 * sizeof(uint16_t));
@@ -236,8 +237,10 @@ bool chunk_payload_decode(const struct message *message, struct chunk_payload *c
     chunk->vertex_count = wire_get_u32(&reader);
     chunk->triangle_count = wire_get_u32(&reader);
     chunk->material_count = wire_get_u32(&reader);
+    chunk->map_bytes = wire_get_u32(&reader);
     if (chunk->vertex_count > CHUNK_VERTICES_MAX || chunk->triangle_count > CHUNK_TRIANGLES_MAX ||
-        chunk->shader_id == 0 || chunk->shader_id > UINT16_MAX)
+        chunk->shader_id == 0 || chunk->shader_id > UINT16_MAX ||
+        chunk->map_bytes < chunk->material_count)
         return status_fail(status, STATUS_INVALID, "damaged chunk message: impossible counts");
     chunk->positions = wire_get_array(&reader, chunk->vertex_count, 3 * sizeof(float));
     chunk->material = wire_get_array(&reader, (uint64_t)chunk->vertex_count * chunk->material_count,

@@ -100,6 +100,7 @@ struct chunk_payload {
     uint32_t first_primitive; /* triangles count through the whole frame in scene order */
     uint32_t shader_id;
     uint32_t vertex_count, triangle_count, material_count;
+    uint32_t map_bytes;        /* of a sample on the composition network, the shader ID aside */
     const float *positions;    /* vertex_count * 3 */
     const float *material;     /* vertex_count * material_count */
     const uint16_t *triangles; /* triangle_count * 3 */
@@ -134,7 +135,7 @@ ticks shading_work_price(const struct machine *machine, const struct shading_wor
 struct colour_view {
     struct region_head head; /* of the composed region: slots is 0, longest_map as composed */
     uint32_t shading_work_count;
-    uint64_t map_floats; /* sum over the samples of the lengths of their own maps */
+    uint64_t map_bytes; /* bytes, sum over the samples of their own maps, shader IDs aside */
     const struct region_work *work;
     const struct shading_work *shading_work;
     const struct region_run *runs;
@@ -147,7 +148,7 @@ struct colour_draft {
     struct shading_work *work; /* zeroed, for the caller to fill */
     float *color[3];
 };
-struct colour_draft colour_draft_create(const struct region_view *region, uint64_t map_floats,
+struct colour_draft colour_draft_create(const struct region_view *region, uint64_t map_bytes,
                                         uint32_t work_count);
 struct message *colour_seal(struct colour_draft *draft, uint32_t frame, uint32_t region,
                             uint32_t sender);
@@ -202,7 +203,7 @@ bool chunk_work_decode(const struct message *message, const struct chunk_work **
 
 struct region_costs {
     uint32_t region, samples; /* covered */
-    uint64_t map_floats;      /* sum over the samples of the lengths of their own maps */
+    uint64_t map_bytes;      /* bytes, sum over the samples of their own maps */
     const struct shading_work *work;
     uint32_t work_count, reserved;
 };

@@ -31,7 +31,7 @@ struct message *region_costs_encode(const struct region_costs *regions, size_t c
     for (size_t i = 0; i < count; i++) {
         wire_put_u32(&writer, regions[i].region);
         wire_put_u32(&writer, regions[i].samples);
-        wire_put_u64(&writer, regions[i].map_floats);
+        wire_put_u64(&writer, regions[i].map_bytes);
         wire_put_u64(&writer, regions[i].work_count);
         wire_put(&writer, regions[i].work, regions[i].work_count * sizeof *regions[i].work);
     }
@@ -52,7 +52,7 @@ bool region_costs_decode(const struct message *message, struct region_costs **re
         struct region_costs *costs = &(*regions)[i];
         costs->region = wire_get_u32(&reader);
         costs->samples = wire_get_u32(&reader);
-        costs->map_floats = wire_get_u64(&reader);
+        costs->map_bytes = wire_get_u64(&reader);
         const uint64_t work_count = wire_get_u64(&reader);
         costs->work = wire_get_array(&reader, work_count, sizeof *costs->work);
         costs->work_count = (uint32_t)work_count;

@@ -167,14 +167,14 @@ static struct chunk_work *work_entry(struct region_bins *bins, struct region_bin
 static void mark_coverage(const struct region_bins *bins, const struct frame_payload *frame,
                           const struct binned_triangle *triangle, const struct sample_box *box,
                           struct region_bin *bin, struct chunk_work *entry) {
-    const bool is_longer = !bin->is_covered || triangle->map_floats > bin->longest_map;
+    const bool is_longer = !bin->is_covered || triangle->map_bytes > bin->longest_map;
     if (!(is_longer || (entry && !entry->covers)) || !covers_sample(bins, frame, triangle, box))
         return;
     if (entry)
         entry->covers = 1;
     if (is_longer) {
         bin->is_covered = true;
-        bin->longest_map = triangle->map_floats;
+        bin->longest_map = triangle->map_bytes;
     }
 }
 

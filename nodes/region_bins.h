@@ -15,7 +15,7 @@ enum { TILE_SAMPLES = 4 }; /* each way: 16 rays, one Embree packet */
 struct region_bin {
     uint32_t triangles;   /* whose screen rectangle touches the region: what raster is charged */
     bool is_covered;      /* some triangle covers a sample of the region, hidden or not */
-    uint32_t longest_map; /* in floats, among the triangles that do */
+    uint32_t longest_map; /* in bytes, among the triangles that do */
     uint32_t entry;       /* of the chunk at hand, plus 1; when work is recorded */
     uint64_t tiles[];     /* bit per tile, rows of bins->tile_words words */
 };
@@ -33,7 +33,7 @@ struct binned_triangle {
     const float *v[3]; /* camera space */
     const struct triangle_setup *setup;
     uint32_t chunk;      /* its number; chunks come one after the other */
-    uint32_t map_floats; /* of its instance */
+    uint32_t map_bytes; /* of its instance */
 };
 
 void region_bins_init(struct region_bins *bins, const struct region_grid *grid, bool records_work);

@@ -89,6 +89,7 @@ static void add_instance(struct record_instance *instance, const struct planned_
             continue;
         instance->parameters[instance->parameter_count++] = (struct record_parameter){
             memory_copy_string(parameter->name), (uint32_t)parameter->components,
+            (uint32_t)parameter->bytes,
             parameter->is_material                                               ? RECORD_MATERIAL
             : parameter->is_uniform_declared || parameter->type == SHADER_STRING ? RECORD_UNIFORM
                                                                                  : RECORD_BOUND,
@@ -157,7 +158,7 @@ static bool complete_frame(struct record_frame *frame, struct pending_frame *pen
                                costs->region);
         struct record_region *region = &frame->regions[costs->region];
         region->samples = costs->samples;
-        region->map_floats = costs->map_floats;
+        region->map_bytes = costs->map_bytes;
         for (uint32_t w = 0; w < costs->work_count; w++)
             record_add_work(frame, region, costs->work[w].instance, costs->work[w].operations);
     }

@@ -365,12 +365,11 @@ static bool shade_region(struct shading_node *self, struct message *message,
     const bool ok = find_instances(self, frame, &region, ranges, count, instances, status);
     if (ok) {
         const uint32_t lights = begin_lights(frame, instances, count);
-        uint64_t map_floats = 0;
+        uint64_t map_bytes = 0;
         for (size_t r = 0; r < count; r++)
-            map_floats +=
-                (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_count;
+            map_bytes += (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_bytes;
         struct colour_draft draft =
-            colour_draft_create(&region, map_floats, 1 + lights + (uint32_t)count);
+            colour_draft_create(&region, map_bytes, 1 + lights + (uint32_t)count);
         for (size_t r = 0; r < count; r++)
             shade_instance(self, frame, &region, instances[r], self->order + ranges[r].first,
                            ranges[r].count, &draft, outputs);

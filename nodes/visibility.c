@@ -235,7 +235,7 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
                             &(struct binned_triangle){{v[0], v[1], v[2]},
                                                       &visibility->setups[count],
                                                       chunk->number,
-                                                      chunk->material_count});
+                                                      chunk->map_bytes});
             count++;
         }
         vertex_count += chunk->vertex_count;
@@ -477,18 +477,19 @@ static void find_spans(struct visibility *visibility) {
 static struct region_head measure_region(const struct visibility *visibility, uint32_t region) {
     struct region_head head = {
         .work_count = 1, .nan_depths = visibility->nan_depths, .rays = visibility->rays};
-    uint32_t end = UINT32_MAX;
+    uint32_t end = UINT32_MAX, longest_seen = 0;
     for (uint32_t i = 0; i < visibility->span_count; i++) {
         const struct span *span = &visibility->spans[i];
-        const uint32_t slots =
-            visibility->chunks[visibility->sources[span->triangle].chunk].material_count;
-        head.slots = slots > head.slots ? slots : head.slots;
+        const struct chunk_payload *chunk =
+            &visibility->chunks[visibility->sources[span->triangle].chunk];
+        head.slots = chunk->material_count > head.slots ? chunk->material_count : head.slots;
+        longest_seen = chunk->map_bytes > longest_seen ? chunk->map_bytes : longest_seen;
         head.sample_count += span->count;
         head.run_count += span->sample != end;
         end = span->sample + span->count;
     }
     const uint32_t longest_map = visibility->bins.bins[region]->longest_map;
-    head.longest_map = longest_map > head.slots ? longest_map : head.slots;
+    head.longest_map = longest_map > longest_seen ? longest_map : longest_seen;
     return head;
 }
 

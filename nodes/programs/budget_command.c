@@ -125,14 +125,13 @@ static bool solve_all(struct analysis *analysis, struct status *status) {
 
 static int64_t map_bytes(const struct analysis *analysis, uint32_t instance) {
     return analysis->question.machine.composition_shader_id_bytes +
-           4 * (int64_t)what_if_map_floats(&analysis->record->frames[0], instance,
-                                           &analysis->question);
+           (int64_t)what_if_map_bytes(&analysis->record->frames[0], instance, &analysis->question);
 }
 
 static int64_t map_words(const struct analysis *analysis, uint32_t instance) {
     return machine_map_words(
         &analysis->question.machine,
-        what_if_map_floats(&analysis->record->frames[0], instance, &analysis->question));
+        what_if_map_bytes(&analysis->record->frames[0], instance, &analysis->question));
 }
 
 static void print_budget(const struct analysis *analysis) {
@@ -181,7 +180,7 @@ static void print_chart(const struct analysis *analysis) {
         for (uint32_t p = 0; p < frame->instances[i].parameter_count; p++)
             if (frame->instances[i].parameters[p].use == RECORD_MATERIAL)
                 printf(" %s:%u", frame->instances[i].parameters[p].name,
-                       4 * frame->instances[i].parameters[p].floats);
+                       frame->instances[i].parameters[p].bytes);
         putchar('\n');
     }
     if (frame->instance_count > SHOWN_MAX)
@@ -228,7 +227,7 @@ static void add_instances(cJSON *document, const struct analysis *analysis) {
             static const char *const uses[RECORD_USE_COUNT] = {"material", "bound", "uniform"};
             cJSON *parameter = cJSON_CreateObject();
             cJSON_AddStringToObject(parameter, "name", instance->parameters[p].name);
-            json_add_whole(parameter, "bytes", 4 * (int64_t)instance->parameters[p].floats);
+            json_add_whole(parameter, "bytes", instance->parameters[p].bytes);
             cJSON_AddStringToObject(parameter, "use", uses[instance->parameters[p].use]);
             cJSON_AddItemToArray(parameters, parameter);
         }

@@ -277,7 +277,7 @@ static int64_t longest_payload(const struct record_frame *frame, const struct wh
         for (size_t b = 0; b < count; b++)
             if (!strcmp(binds[b].instance, frame->instances[i].name)) {
                 const int64_t own =
-                    machine_map_words(machine, what_if_map_floats(frame, i, question));
+                    machine_map_words(machine, what_if_map_bytes(frame, i, question));
                 words = own > words ? own : words;
             }
     return words * (machine->composition_word_bytes - machine->composition_depth_bytes);

@@ -3,6 +3,7 @@
 #define AST_H
 
 #include "shaders/compiler/compilation.h"
+#include "shaders/compiler/fixed_format.h"
 
 /* The syntax tree. The parser fills in structure, check.c the types, symbols and implicit
  * conversions. Everything lives in the compilation's arena. */
@@ -22,9 +23,24 @@ enum ast_type {
     TYPE_BOOL,
     TYPE_VOID,
     TYPE_ERROR,
+    /* Fixed-point types carry their format in the number: ast_type_fixed() makes them. */
+    TYPE_FIXED_FLAG = 1 << 24,
+    TYPE_ANY_FIXED = TYPE_FIXED_FLAG, /* of an argument: whatever its format */
 };
 
 const char *ast_type_name(enum ast_type type);
+static inline enum ast_type ast_type_fixed(struct fixed_format format) {
+    return (enum ast_type)(TYPE_FIXED_FLAG | format.is_unsigned << 20 |
+                           (format.exponent - FIXED_EXPONENT_MIN) << 8 | format.size);
+}
+static inline bool ast_type_is_fixed(enum ast_type type) {
+    return (type & TYPE_FIXED_FLAG) != 0;
+}
+static inline struct fixed_format ast_type_format(enum ast_type type) {
+    return (struct fixed_format){(int16_t)(type & 0xff),
+                                 (int16_t)((type >> 8 & 0xfff) + FIXED_EXPONENT_MIN),
+                                 (type >> 20 & 1) != 0};
+}
 static inline bool ast_type_is_triple(enum ast_type type) {
     return (type >= TYPE_COLOR && type <= TYPE_NORMAL) || type == TYPE_TRIPLE;
 }
@@ -35,6 +51,15 @@ static inline bool ast_type_is_geometric(enum ast_type type) {
 static inline int ast_type_width(enum ast_type type) {
     return ast_type_is_triple(type) ? 3 : 1;
 }
+
+/* How the values of an array come into the shader's space (PF section 3.1). */
+enum ast_transform {
+    TRANSFORM_NONE = SHADER_TRANSFORM_NONE,
+    TRANSFORM_POINT = SHADER_TRANSFORM_POINT,
+    TRANSFORM_VECTOR = SHADER_TRANSFORM_VECTOR,
+    TRANSFORM_NORMAL = SHADER_TRANSFORM_NORMAL,
+    TRANSFORM_TEXTURE = SHADER_TRANSFORM_TEXTURE,
+};
 
 enum ast_storage { STORAGE_UNSAID, STORAGE_UNIFORM, STORAGE_VARYING };
 
@@ -49,6 +74,8 @@ struct ast_symbol {
     enum ast_type type;
     int array_length; /* 0: not an array; -1: formal array of any length */
     enum ast_storage storage;
+    enum ast_transform transform; /* of an array of three: pfman's transformation attributes */
+    bool is_unit;                 /* normalised before the shader sees it */
     bool is_output;
     bool is_formal;    /* of a function (not of the shader) */
     bool is_parameter; /* of the shader */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 /* Lays out the transfer map and the bound values: parameters in order of declaration, predefined
  * variables after, each whole or not at all. Then marks what else the program needs from outside.
@@ -40,5 +40,9 @@ void pass_bind_parameters(struct ir_program *ir) {
         int *offset = parameter->is_material ? &parameter->map_offset : &parameter->bound_offset;
         *offset = *total;
         *total += parameter->components;
+        if (parameter->is_material) {
+            parameter->map_byte = SHADER_ID_BYTES + program->material_bytes;
+            program->material_bytes += parameter->bytes;
+        }
     }
 }

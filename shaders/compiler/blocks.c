@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 #include <string.h>
 
@@ -80,6 +80,18 @@ static enum shader_stream stream_of(struct pricing *p, struct ir_node *node) {
     return is_tainted ? SHADER_POST_ILLUM : SHADER_PRE_ILLUM;
 }
 
+/* Loads or copies of 4 bytes each, or of a fixed-point value. */
+static void add_move(struct pricing *p, const struct ir_node *node, int block,
+                     enum shader_stream stream, int count) {
+    const struct ir_variable *to = node->results[0] ? node->results[0] : node->array;
+    if (to->type != IR_FIXED) {
+        add(p, block, stream, SIMD_FLOAT_MOVE, count);
+        return;
+    }
+    add(p, block, stream, SIMD_FIXED_ADD_BASE, count);
+    add(p, block, stream, SIMD_FIXED_ADD_BYTE, count * fixed_bytes(to->format));
+}
+
 static void price_instruction(struct pricing *p, struct ir_node *node, int block) {
     const struct ir_operation_info *info = &ir_operations[node->operation];
     enum shader_stream stream = stream_of(p, node);
@@ -96,9 +108,13 @@ static void price_instruction(struct pricing *p, struct ir_node *node, int block
     bool is_array = node->operation == IR_ARRAY_LOAD || node->operation == IR_ARRAY_STORE;
     if (is_array && node->array->is_varying && ir_operand_is_varying(&node->operands[0])) {
         add(p, block, stream, SIMD_FLOAT_COMPARE, node->array->array_length);
-        add(p, block, stream, SIMD_FLOAT_MOVE, node->array->array_length);
+        add_move(p, node, block, stream, node->array->array_length);
+    } else if (is_array) {
+        add_move(p, node, block, stream, results);
     } else if (!ir_instruction_reads_varying(node)) {
-        add(p, block, stream, SIMD_FLOAT_MOVE, results);
+        add_move(p, node, block, stream, results);
+    } else if (ir_operation_is_fixed(node->operation)) {
+        price_fixed(node, p->ir->blocks[block].operations[stream]);
     } else if (info->cost != IR_FREE) {
         add(p, block, stream, node->is_fast ? simd_operation_fast(info->cost) : info->cost,
             results);

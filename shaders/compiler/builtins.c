@@ -119,6 +119,14 @@ const struct ast_global *global_find(const char *name) {
 int ast_conversion_cost(enum ast_type from, enum ast_type to) {
     if (from == to || from == TYPE_ERROR || to == TYPE_ERROR)
         return 0;
+    if (ast_type_is_fixed(from)) /* better fixed than float, and never silently a triple */
+        return ast_type_is_fixed(to)                         ? (to == TYPE_ANY_FIXED ? 0 : 1)
+               : to == TYPE_FLOAT                            ? 2
+               : to == TYPE_BOOL                             ? 3
+               : ast_type_is_triple(to) && to != TYPE_TRIPLE ? 5
+                                                             : -1;
+    if (ast_type_is_fixed(to))
+        return to == TYPE_ANY_FIXED ? -1 : from == TYPE_FLOAT ? 2 : from == TYPE_BOOL ? 3 : -1;
     if (from == TYPE_TRIPLE && ast_type_is_triple(to))
         return 1;
     if (to == TYPE_TRIPLE)
@@ -152,6 +160,8 @@ static enum ast_type letter_type(char letter) {
         return TYPE_BOOL;
     case 't':
         return TYPE_TRIPLE;
+    case 'x':
+        return TYPE_ANY_FIXED;
     case '0':
         return TYPE_VOID;
     }
@@ -204,7 +214,9 @@ bool builtin_resolve(const struct builtin *builtin, const enum ast_type *argumen
             overload_cost(text, &next, arguments, count, &one_result, one_parameters, &one_mask);
         if (cost < 0)
             continue;
-        if (wanted != TYPE_ERROR && one_result != wanted)
+        if (one_result == TYPE_ANY_FIXED && (wanted == TYPE_FLOAT || ast_type_is_fixed(wanted)))
+            ; /* becomes what is wanted afterwards */
+        else if (wanted != TYPE_ERROR && one_result != wanted)
             cost += ast_type_is_geometric(wanted) && ast_type_is_geometric(one_result) ? 50 : 100;
         if (best >= 0 && cost >= best)
             continue;
@@ -217,6 +229,10 @@ bool builtin_resolve(const struct builtin *builtin, const enum ast_type *argumen
 }
 
 const char *ast_type_name(enum ast_type type) {
+    static _Thread_local char names[4][32]; /* as many as a message mentions */
+    static _Thread_local unsigned next;
+    if (ast_type_is_fixed(type))
+        return fixed_format_name(ast_type_format(type), names[next++ % 4]);
     switch (type) {
     case TYPE_TRIPLE:
         return "(x, y, z)";

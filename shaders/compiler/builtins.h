@@ -7,9 +7,9 @@
 /* The functions that lowering knows by itself; the rest of the standard ones are RSL in prelude.c.
  *
  * X(ID, name, overloads). An overload is RESULT:ARGUMENTS, with f float, c color, m matrix, p
- * point, v vector, n normal, s string, b boolean, 0 nothing, t any triple, `.` any value; & before
- * an argument that is written to; * after one that may repeat. The first overload that fits best is
- * taken. */
+ * point, v vector, n normal, s string, b boolean, x fixed-point, 0 nothing, t any triple, `.` any
+ * value; & before an argument that is written to; * after one that may repeat. The first overload
+ * that fits best is taken. */
 #define BUILTINS(X)                                                                                \
     X(RADIANS, "radians", "f:f")                                                                   \
     X(DEGREES, "degrees", "f:f")                                                                   \
@@ -21,21 +21,22 @@
     X(ATAN, "atan", "f:f f:ff")                                                                    \
     X(POW, "pow", "f:ff")                                                                          \
     X(EXP, "exp", "f:f")                                                                           \
-    X(SQRT, "sqrt", "f:f")                                                                         \
+    X(SQRT, "sqrt", "f:f x:x")                                                                     \
     X(INVERSESQRT, "inversesqrt", "f:f")                                                           \
     X(LOG, "log", "f:f f:ff")                                                                      \
-    X(MOD, "mod", "f:ff")                                                                          \
-    X(ABS, "abs", "f:f")                                                                           \
-    X(SIGN, "sign", "f:f")                                                                         \
-    X(MIN, "min", "f:ff* c:cc* p:pp* v:vv* n:nn*")                                                 \
-    X(MAX, "max", "f:ff* c:cc* p:pp* v:vv* n:nn*")                                                 \
-    X(CLAMP, "clamp", "f:fff c:ccc p:ppp v:vvv n:nnn")                                             \
-    X(MIX, "mix", "f:fff c:ccf p:ppf v:vvf n:nnf c:ccc")                                           \
-    X(FLOOR, "floor", "f:f")                                                                       \
-    X(CEIL, "ceil", "f:f")                                                                         \
-    X(ROUND, "round", "f:f")                                                                       \
-    X(STEP, "step", "f:ff")                                                                        \
-    X(NOISE, "noise", "f:f f:ff f:p f:pf c:f c:ff c:p c:pf p:f p:ff p:p p:pf v:f v:ff v:p v:pf")   \
+    X(MOD, "mod", "f:ff x:xx")                                                                     \
+    X(ABS, "abs", "f:f x:x")                                                                       \
+    X(SIGN, "sign", "f:f x:x")                                                                     \
+    X(MIN, "min", "f:ff* c:cc* p:pp* v:vv* n:nn* x:xx*")                                           \
+    X(MAX, "max", "f:ff* c:cc* p:pp* v:vv* n:nn* x:xx*")                                           \
+    X(CLAMP, "clamp", "f:fff c:ccc p:ppp v:vvv n:nnn x:xxx")                                       \
+    X(MIX, "mix", "f:fff c:ccf p:ppf v:vvf n:nnf c:ccc x:xxx")                                     \
+    X(FLOOR, "floor", "f:f x:x")                                                                   \
+    X(CEIL, "ceil", "f:f x:x")                                                                     \
+    X(ROUND, "round", "f:f x:x")                                                                   \
+    X(STEP, "step", "f:ff x:xx")                                                                   \
+    X(NOISE, "noise",                                                                              \
+      "x:x x:xx x:xxx f:f f:ff f:p f:pf c:f c:ff c:p c:pf p:f p:ff p:p p:pf v:f v:ff v:p v:pf")    \
     X(CELLNOISE, "cellnoise",                                                                      \
       "f:f f:ff f:p f:pf c:f c:ff c:p c:pf p:f p:ff p:p p:pf v:f v:ff v:p v:pf")                   \
     X(PNOISE, "pnoise",                                                                            \

@@ -123,8 +123,21 @@ static void check_declaration(struct checker *k, struct ast_symbol *symbol) {
     int width = symbol->type == TYPE_MATRIX ? 16 : ast_type_width(symbol->type);
     if (symbol->array_length > 0 && symbol->array_length * width > ARRAY_FLOATS_MAX)
         compile_limit(k->c, &symbol->at, "an array holds at most %d floats", ARRAY_FLOATS_MAX);
-    if (symbol->initial && !symbol->array_length)
+    if (symbol->initial && !symbol->array_length) {
         symbol->initial = check_as(k, symbol->initial, symbol->type);
+    } else if (symbol->initial) {
+        symbol->initial = check_expression(k, symbol->initial, TYPE_ERROR);
+        if (symbol->initial->type != TYPE_ERROR && !check_array_fits(symbol->initial, symbol))
+            compile_error(k->c, &symbol->initial->at,
+                          "an array of %d %s cannot begin as a copy of this", symbol->array_length,
+                          ast_type_name(symbol->type));
+    }
+    if ((symbol->transform != TRANSFORM_NONE || symbol->is_unit) &&
+        (!symbol->is_parameter || symbol->array_length != 3 ||
+         (symbol->type != TYPE_FLOAT && !ast_type_is_fixed(symbol->type))))
+        compile_error(k->c, &symbol->at,
+                      "transformation attributes are for parameters of the shader that are arrays "
+                      "of three numbers");
     for (struct ast_expression **e = &symbol->elements; *e; e = &(*e)->next) {
         struct ast_expression *next = (*e)->next;
         *e = check_as(k, *e, symbol->type);

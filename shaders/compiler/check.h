@@ -52,6 +52,17 @@ struct ast_expression *check_convert(struct checker *k, struct ast_expression *e
                                      enum ast_type type);
 bool color_space_is_known(const char *name);
 #define COLOR_SPACES "rgb, hsv, hsl, YIQ and xyz"
+/* Fixed-point, check_fixed.c. A number written out becomes fixed-point; nothing else changes. */
+void check_fixed_number(struct ast_expression *e);
+/* Brings two operands together when one is fixed-point. */
+void check_fixed_pair(struct checker *k, struct ast_expression **a, struct ast_expression **b);
+enum ast_type fixed_arithmetic_type(int token, enum ast_type a, enum ast_type b);
+enum ast_type fixed_common_type(enum ast_type a, enum ast_type b);
+enum ast_type fixed_negated_type(enum ast_type a);
+/* The result of a standard function on fixed-point arguments. */
+enum ast_type fixed_call_type(enum builtin_id id, const enum ast_type *types, int count);
+/* Whether the value can be copied into the array as a whole. */
+bool check_array_fits(const struct ast_expression *from, const struct ast_symbol *to);
 /* Function calls, check_call.c. */
 struct ast_expression *check_call(struct checker *k, struct ast_expression *e,
                                   enum ast_type wanted);

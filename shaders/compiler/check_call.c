@@ -152,6 +152,13 @@ static struct ast_expression *check_spline(struct checker *k, struct ast_express
     return e;
 }
 
+static bool has_fixed(const enum ast_type *types, int count) {
+    for (int i = 0; i < count; i++)
+        if (ast_type_is_fixed(types[i]))
+            return true;
+    return false;
+}
+
 static struct ast_expression *check_builtin_call(struct checker *k, struct ast_expression *e,
                                                  const struct builtin *builtin,
                                                  enum ast_type wanted) {
@@ -180,6 +187,13 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         return fail(e);
     if (builtin->id == BUILTIN_SPLINE)
         return check_spline(k, e, wanted);
+    if (strstr(builtin->overloads, "x:") && has_fixed(types, count)) {
+        count = 0;
+        for (struct ast_expression *a = e->arguments; a; a = a->next) {
+            check_fixed_number(a);
+            types[count++] = a->type;
+        }
+    }
     if (!builtin_resolve(builtin, types, count, wanted, &e->type, parameters, &written)) {
         char list[160] = "";
         for (int i = 0; i < count && i < 6; i++) {
@@ -197,10 +211,12 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
             ;
         else if (i < 32 && written >> i & 1)
             check_written(k, *a);
-        else if (parameters[i] != TYPE_TRIPLE)
+        else if (parameters[i] != TYPE_TRIPLE && parameters[i] != TYPE_ANY_FIXED)
             *a = check_convert(k, *a, parameters[i]);
         (*a)->next = next;
     }
+    if (e->type == TYPE_ANY_FIXED)
+        e->type = fixed_call_type(builtin->id, types, count);
     if (builtin->id == BUILTIN_CTRANSFORM)
         check_color_spaces(k, e);
     check_neutral(k, e);

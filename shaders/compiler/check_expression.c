@@ -12,9 +12,13 @@ static struct ast_expression *fail(struct ast_expression *e) {
 
 struct ast_expression *check_convert(struct checker *k, struct ast_expression *e,
                                      enum ast_type type) {
-    if (e->type == type || e->type == TYPE_ERROR || type == TYPE_ERROR)
+    if ((e->type == type && !e->array_length) || e->type == TYPE_ERROR || type == TYPE_ERROR)
         return e;
-    if (e->array_length || ast_conversion_cost(e->type, type) < 0) {
+    if (ast_type_is_fixed(e->type) && ast_type_is_triple(type) && !e->array_length)
+        e = check_convert(k, e, TYPE_FLOAT);
+    const bool is_triple_of_array = e->array_length == 3 && ast_type_is_triple(type) &&
+                                    (e->type == TYPE_FLOAT || ast_type_is_fixed(e->type));
+    if (!is_triple_of_array && (e->array_length || ast_conversion_cost(e->type, type) < 0)) {
         const char *hint = "";
         if (ast_type_is_triple(e->type) && ast_type_is_triple(type))
             hint = type == TYPE_COLOR ? "; say color (...)" : "; say vector (...)";
@@ -102,12 +106,15 @@ static struct ast_expression *check_unary(struct checker *k, struct ast_expressi
         e->left = check_convert(k, e->left, TYPE_FLOAT);
     if (e->left->type == TYPE_ERROR)
         return fail(e);
-    if ((e->left->type != TYPE_FLOAT && !ast_type_is_triple(e->left->type)) ||
+    if ((e->left->type != TYPE_FLOAT && !ast_type_is_triple(e->left->type) &&
+         !ast_type_is_fixed(e->left->type)) ||
         e->left->array_length) {
         compile_error(k->c, &e->at, "cannot change the sign of %s", ast_type_name(e->left->type));
         return fail(e);
     }
     e->type = e->left->type;
+    if (e->token == '-' && ast_type_is_fixed(e->type))
+        e->type = fixed_negated_type(e->type);
     return e->token == '+' ? e->left : e;
 }
 
@@ -115,6 +122,10 @@ static struct ast_expression *check_unary(struct checker *k, struct ast_expressi
 static enum ast_type arithmetic_type(int token, enum ast_type a, enum ast_type b) {
     if (a == TYPE_FLOAT && b == TYPE_FLOAT)
         return TYPE_FLOAT;
+    if (ast_type_is_fixed(a) && ast_type_is_fixed(b))
+        return fixed_arithmetic_type(token, a, b);
+    if (token == '%')
+        return TYPE_ERROR;
     if (a == TYPE_MATRIX || b == TYPE_MATRIX) {
         bool is_fine =
             (token == '*' || token == '/') && (a == b || a == TYPE_FLOAT || b == TYPE_FLOAT);
@@ -150,7 +161,10 @@ static struct ast_expression *check_comparison(struct checker *k, struct ast_exp
         e->left = check_convert(k, e->left, a = TYPE_FLOAT);
     if (b == TYPE_BOOL)
         e->right = check_convert(k, e->right, b = TYPE_FLOAT);
-    if (a == TYPE_FLOAT && b == TYPE_FLOAT)
+    check_fixed_pair(k, &e->left, &e->right);
+    a = e->left->type;
+    b = e->right->type;
+    if ((a == TYPE_FLOAT && b == TYPE_FLOAT) || (ast_type_is_fixed(a) && ast_type_is_fixed(b)))
         return e;
     if (is_equality && arithmetic_type('+', a, b) != TYPE_ERROR) {
         enum ast_type common = arithmetic_type('+', a, b);
@@ -182,7 +196,7 @@ static struct ast_expression *check_binary(struct checker *k, struct ast_express
         e->type = TYPE_BOOL;
         return e;
     }
-    bool is_arithmetic = strchr("+-*/", e->token < 256 ? e->token : 1) != NULL;
+    bool is_arithmetic = strchr("+-*/%", e->token < 256 ? e->token : 1) != NULL;
     enum ast_type hint = is_arithmetic ? wanted : TYPE_ERROR;
     if (!is_arithmetic && (e->token == '.' || e->token == '^'))
         hint = TYPE_VECTOR;
@@ -202,6 +216,7 @@ static struct ast_expression *check_binary(struct checker *k, struct ast_express
         e->left = check_convert(k, e->left, TYPE_FLOAT);
     if (e->right->type == TYPE_BOOL)
         e->right = check_convert(k, e->right, TYPE_FLOAT);
+    check_fixed_pair(k, &e->left, &e->right);
     e->type = arithmetic_type(e->token, e->left->type, e->right->type);
     if (e->type == TYPE_ERROR) {
         compile_error(k->c, &e->at, "%s does not work between %s and %s",
@@ -224,7 +239,13 @@ static struct ast_expression *check_conditional(struct checker *k, struct ast_ex
     enum ast_type a = e->right->type, b = e->third->type;
     if (a == TYPE_ERROR || b == TYPE_ERROR)
         return fail(e);
-    e->type = ast_conversion_cost(a, b) >= 0 && !(a != TYPE_TRIPLE && b == TYPE_TRIPLE) ? b : a;
+    check_fixed_pair(k, &e->right, &e->third);
+    a = e->right->type;
+    b = e->third->type;
+    if (ast_type_is_fixed(a) && ast_type_is_fixed(b))
+        e->type = fixed_common_type(a, b);
+    else
+        e->type = ast_conversion_cost(a, b) >= 0 && !(a != TYPE_TRIPLE && b == TYPE_TRIPLE) ? b : a;
     if (e->type == TYPE_VOID) {
         compile_error(k->c, &e->at, "both sides of '?' must have a value");
         return fail(e);
@@ -255,13 +276,9 @@ void check_written(struct checker *k, struct ast_expression *target) {
         k->function->has_outputs |= symbol->global || symbol->is_output;
 }
 
-/* array = array of the same type and length */
 static struct ast_expression *check_array_assign(struct checker *k, struct ast_expression *e) {
-    e->right = check_expression(k, e->right, e->left->type);
-    if (e->right->type == TYPE_ERROR)
-        return fail(e);
-    if (e->token || e->right->kind != EXPRESSION_NAME || e->right->type != e->left->type ||
-        e->right->array_length != e->left->array_length) {
+    e->right = check_expression(k, e->right, TYPE_ERROR);
+    if (e->right->type != TYPE_ERROR && !check_array_fits(e->right, e->left->symbol)) {
         compile_error(k->c, &e->at,
                       "an array is assigned element by element, or from one of the same type and "
                       "length");
@@ -278,8 +295,12 @@ static struct ast_expression *check_assign(struct checker *k, struct ast_express
         check_expression(k, e->right, TYPE_ERROR);
         return fail(e);
     }
-    if (e->left->array_length)
+    if (e->left->array_length && !e->token)
         return check_array_assign(k, e);
+    if (e->left->array_length) {
+        compile_error(k->c, &e->at, "arrays are only changed element by element");
+        return fail(e);
+    }
     e->type = e->left->type;
     if (!e->token) {
         e->right = check_as(k, e->right, e->type);
@@ -290,7 +311,14 @@ static struct ast_expression *check_assign(struct checker *k, struct ast_express
         e->right = check_convert(k, e->right, TYPE_FLOAT);
     if (e->right->type == TYPE_ERROR)
         return fail(e);
-    enum ast_type result = arithmetic_type(e->token, e->type, e->right->type);
+    if (ast_type_is_fixed(e->type))
+        check_fixed_number(e->right);
+    if (ast_type_is_fixed(e->right->type) && !ast_type_is_fixed(e->type))
+        e->right = check_convert(k, e->right, TYPE_FLOAT);
+    enum ast_type left = e->type; /* a fixed-point target of float arithmetic is converted twice */
+    if (ast_type_is_fixed(left) && !ast_type_is_fixed(e->right->type))
+        left = TYPE_FLOAT;
+    enum ast_type result = arithmetic_type(e->token, left, e->right->type);
     if (e->type == TYPE_STRING || result == TYPE_ERROR || e->right->array_length ||
         ast_conversion_cost(result, e->type) < 0) {
         compile_error(k->c, &e->at, "'%c=' does not work between %s and %s", e->token,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 /* Keeps what can reach a result of the shader: a node is live when it assigns to a live variable, a
  * variable when a live node reads it, control flow when something in it is live. Does not look at

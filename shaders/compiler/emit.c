@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/emit.h"
+#include "shaders/compiler/passes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -125,7 +126,32 @@ static const char *const neighbours[] = {
     "    (void)x;\n    return 0.0f;\n}\n\n",
 };
 
-/* The uniform block holds floats; strings keep their bits, conditions become 0 and 1. */
+/* Arrays of fixed-point numbers, for shaders that have any. */
+static const char *const fixed_support[] = {
+    "#include \"vector_fixed.h\"\n\n"
+    "typedef int64_t shader_unaligned_fixed __attribute__((aligned(4)));\n\n",
+    "SHADER_HELPER vx shader_load_fixed_lanes_varying(const vx *array, int length, vf index) {\n"
+    "    vx result = {0};\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        result[i] = array[shader_index(index[i], length)][i];\n"
+    "    return result;\n}\n\n",
+    "SHADER_HELPER vx shader_load_fixed_lanes_uniform(const shader_unaligned_fixed *array, int "
+    "length, vf index) {\n"
+    "    vx result = {0};\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        result[i] = array[shader_index(index[i], length)];\n"
+    "    return result;\n}\n\n",
+    "SHADER_HELPER void shader_store_fixed_lanes(vx *array, int length, vf index, vi mask, vx "
+    "value) {\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        if (mask[i])\n"
+    "            array[shader_index(index[i], length)][i] = value[i];\n}\n\n",
+    "SHADER_HELPER void shader_store_fixed_one(vx *element, vi mask, vx value) {\n"
+    "    *element = vx_select(mask, value, *element);\n}\n\n",
+};
+
+/* The uniform block holds floats; fixed-point numbers take two, strings keep their bits, conditions
+ * become 0 and 1. */
 static void emit_slot_store(struct emitter *e, const struct ir_variable *v) {
     if (v->array_length)
         emit_line(e, "__builtin_memcpy(uniform + %d, v%d, sizeof v%d);", v->slot, v->id, v->id);
@@ -139,14 +165,19 @@ static void emit_slot_store(struct emitter *e, const struct ir_variable *v) {
 
 static void emit_slot_load(struct emitter *e, const struct ir_variable *v) {
     if (v->array_length && !v->is_written_in_shade) {
-        emit_line(e, "const float *const v%d = uniform + %d;", v->id, v->slot);
+        emit_line(e, "const %s *const v%d = (const void *)(uniform + %d);",
+                  v->type == IR_FIXED ? "shader_unaligned_fixed" : "float", v->id, v->slot);
     } else if (v->array_length) {
-        emit_line(e, "float v%d[%d];", v->id, v->array_length);
+        emit_line(e, "%s v%d[%d];", v->type == IR_FIXED ? "int64_t" : "float", v->id,
+                  v->array_length);
         emit_line(e, "__builtin_memcpy(v%d, uniform + %d, sizeof v%d);", v->id, v->slot, v->id);
     } else if (v->type == IR_FLOAT) {
         emit_line(e, "float v%d = uniform[%d];", v->id, v->slot);
     } else if (v->type == IR_BOOL) {
         emit_line(e, "int v%d = uniform[%d] != 0.0f;", v->id, v->slot);
+    } else if (v->type == IR_FIXED) {
+        emit_line(e, "int64_t v%d;", v->id);
+        emit_line(e, "__builtin_memcpy(&v%d, uniform + %d, sizeof v%d);", v->id, v->slot, v->id);
     } else {
         emit_line(e, "int32_t v%d = shader_identity(uniform + %d);", v->id, v->slot);
     }
@@ -297,8 +328,9 @@ static void emit_module(struct emitter *e) {
     emit_text(e, "    .abi = SHADER_MODULE_ABI,\n    .width = SHADER_WIDTH,\n");
     emit_text(e, "    .name = \"%.128s\",\n", program->name);
     emit_text(e, "    .is_light = %d,\n    .is_ambient = %d,\n", is_light, e->ir->is_ambient);
-    emit_text(e, "    .material_count = %d,\n    .bound_count = %d,\n", program->material_count,
-              program->bound_count);
+    emit_text(e, "    .material_count = %d,\n    .material_bytes = %d,\n", program->material_count,
+              program->material_bytes);
+    emit_text(e, "    .bound_count = %d,\n", program->bound_count);
     emit_text(e, "    .uniform_count = %d,\n    .spaces = %u,\n", e->ir->uniform_count,
               e->ir->spaces);
     emit_text(e, "    .block_count = %d,\n    .blocks = shader_blocks,\n", e->ir->block_count);
@@ -315,11 +347,20 @@ static void emit_support(struct emitter *e, const char *const *texts, size_t cou
             emit_text(e, "%.200s", text);
 }
 
+static bool uses_fixed(const struct ir_program *ir) {
+    for (size_t i = 0; i < ir->variable_count; i++)
+        if (ir->variables[i]->type == IR_FIXED && ir->variables[i]->is_live)
+            return true;
+    return false;
+}
+
 void pass_emit(struct ir_program *ir) {
     struct emitter emitter = {.c = ir->c, .ir = ir}, *e = &emitter;
     emit_support(e, support, sizeof support / sizeof *support);
     if (ir->uses_neighbours)
         emit_support(e, neighbours, sizeof neighbours / sizeof *neighbours);
+    if (uses_fixed(ir))
+        emit_support(e, fixed_support, sizeof fixed_support / sizeof *fixed_support);
     emit_prepare(e);
     e->mask = e->loop_mask = -1;
     if (ir->kind == SHADER_KIND_LIGHT)

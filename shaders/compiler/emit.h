@@ -26,6 +26,10 @@ void emit_line(struct emitter *e, const char *format, ...) __attribute__((format
 /* An operand as a scalar, or as a vector when `as_vector`. */
 void emit_operand(struct emitter *e, const struct ir_operand *operand, bool as_vector);
 void emit_instruction(struct emitter *e, struct ir_node *node);
+/* The value of a fixed-point instruction as an expression, emit_fixed.c. */
+void emit_fixed(struct emitter *e, const struct ir_node *node, bool is_vector);
+/* The constant of a fixed-point operand, or its variable. */
+void emit_fixed_constant(struct emitter *e, int64_t raw);
 /* The declarations of a list, then its nodes (of the top level: those of this function). */
 void emit_list(struct emitter *e, struct ir_list *list);
 void emit_declaration(struct emitter *e, struct ir_variable *variable);

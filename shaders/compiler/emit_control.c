@@ -218,8 +218,8 @@ static void emit_illuminance(struct emitter *e, struct ir_node *node) {
 }
 
 void emit_declaration(struct emitter *e, struct ir_variable *v) {
-    static const char *const scalars[] = {"float", "int", "int32_t"}, *const vectors[] = {
-                                                                          "vf", "vi", "int32_t"};
+    static const char *const scalars[] = {"float", "int", "int32_t", "int64_t"},
+                             *const vectors[] = {"vf", "vi", "int32_t", "vx"};
     const char *type = (v->is_varying ? vectors : scalars)[v->type];
     if (v->array_length)
         emit_line(e, "%s v%d[%d] = {0};", type, v->id, v->array_length);

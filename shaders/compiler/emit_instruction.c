@@ -25,9 +25,17 @@ static void emit_scalar(struct emitter *e, const struct ir_operand *operand) {
     case OPERAND_STRING:
         emit_text(e, "%d", (int)operand->identity);
         break;
+    case OPERAND_FIXED:
+        emit_fixed_constant(e, operand->raw);
+        break;
     case OPERAND_NONE:
         break;
     }
+}
+
+/* The function that makes a vector of a scalar. */
+static const char *broadcast_text(enum ir_type type) {
+    return type == IR_BOOL ? "shader_mask(" : type == IR_FIXED ? "vx_set(" : "vf_set(";
 }
 
 void emit_operand(struct emitter *e, const struct ir_operand *operand, bool as_vector) {
@@ -35,7 +43,7 @@ void emit_operand(struct emitter *e, const struct ir_operand *operand, bool as_v
         emit_scalar(e, operand);
         return;
     }
-    emit_text(e, ir_operand_type(operand) == IR_BOOL ? "shader_mask(" : "vf_set(");
+    emit_text(e, "%s", broadcast_text(ir_operand_type(operand)));
     emit_scalar(e, operand);
     emit_text(e, ")");
 }
@@ -75,7 +83,11 @@ static void open_result(struct emitter *e, const struct ir_node *node,
         emit_text(e, "    ");
     emit_text(e, "v%d = ", v->id);
     if (needs_blend(e, node, v))
-        emit_text(e, "%s(m%d, ", v->type == IR_BOOL ? "vi_select" : "vf_select", e->mask);
+        emit_text(e, "%s(m%d, ",
+                  v->type == IR_BOOL    ? "vi_select"
+                  : v->type == IR_FIXED ? "vx_select"
+                                        : "vf_select",
+                  e->mask);
 }
 
 static void close_result(struct emitter *e, const struct ir_node *node,
@@ -95,11 +107,13 @@ static void emit_array_load(struct emitter *e, struct ir_node *node) {
     bool broadcasts = !is_gather && !node->array->is_varying && result->is_varying;
     open_result(e, node, result);
     if (is_gather) {
-        emit_text(e, "shader_load_%s_%s(v%d, %d, v%d)", index_text(node),
+        emit_text(e, "shader_load%s_%s_%s(v%d, %d, v%d)",
+                  node->array->type == IR_FIXED ? "_fixed" : "", index_text(node),
                   node->array->is_varying ? "varying" : "uniform", node->array->id,
                   node->array->array_length, node->operands[0].variable->id);
     } else {
-        emit_text(e, "%sv%d[shader_index(", broadcasts ? "vf_set(" : "", node->array->id);
+        emit_text(e, "%sv%d[shader_index(", broadcasts ? broadcast_text(node->array->type) : "",
+                  node->array->id);
         emit_operand(e, &node->operands[0], false);
         emit_text(e, ", %d)]%s", node->array->array_length, broadcasts ? ")" : "");
     }
@@ -111,8 +125,8 @@ static void emit_array_store(struct emitter *e, struct ir_node *node) {
     for (int i = 0; i < e->indent; i++)
         emit_text(e, "    ");
     if (ir_operand_is_varying(&node->operands[0])) {
-        emit_text(e, "shader_store_lanes(v%d, %d, v%d, ", array->id, array->array_length,
-                  node->operands[0].variable->id);
+        emit_text(e, "shader_store%s_lanes(v%d, %d, v%d, ", array->type == IR_FIXED ? "_fixed" : "",
+                  array->id, array->array_length, node->operands[0].variable->id);
         if (needs_blend(e, node, array))
             emit_text(e, "m%d, ", e->mask);
         else
@@ -122,7 +136,8 @@ static void emit_array_store(struct emitter *e, struct ir_node *node) {
         return;
     }
     if (needs_blend(e, node, array))
-        emit_text(e, "shader_store_one(&v%d[shader_index(", array->id);
+        emit_text(e, "shader_store%s_one(&v%d[shader_index(",
+                  array->type == IR_FIXED ? "_fixed" : "", array->id);
     else
         emit_text(e, "v%d[shader_index(", array->id);
     emit_operand(e, &node->operands[0], false);
@@ -229,8 +244,11 @@ void emit_instruction(struct emitter *e, struct ir_node *node) {
     bool broadcasts = v->is_varying && !is_vector;
     open_result(e, node, v);
     if (broadcasts)
-        emit_text(e, v->type == IR_BOOL ? "shader_mask(" : "vf_set(");
-    emit_pattern(e, node, is_vector ? info->vector : info->scalar, is_vector);
+        emit_text(e, "%s", broadcast_text(v->type));
+    if (ir_operation_is_fixed(node->operation))
+        emit_fixed(e, node, is_vector);
+    else
+        emit_pattern(e, node, is_vector ? info->vector : info->scalar, is_vector);
     if (broadcasts)
         emit_text(e, ")");
     close_result(e, node, v);

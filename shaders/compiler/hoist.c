@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 /* Divides the top level between prepare(), which runs once per instance, and the code that runs for
  * samples. A top-level node goes to prepare() when everything in it is uniform and moving it before
@@ -91,6 +91,6 @@ void pass_hoist(struct ir_program *ir) {
         if (!v->is_written_in_prepare || !v->in_shade)
             continue;
         v->slot = ir->uniform_count;
-        ir->uniform_count += v->array_length ? v->array_length : 1;
+        ir->uniform_count += (v->array_length ? v->array_length : 1) * ir_slot_floats(v);
     }
 }

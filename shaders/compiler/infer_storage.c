@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 /* Which variables vary from sample to sample: those assigned from something that varies, and those
  * assigned where samples go different ways, unless they live only there. A fixpoint that does not

@@ -66,6 +66,27 @@ enum ir_type ir_operand_type(const struct ir_operand *operand) {
         return IR_BOOL;
     case OPERAND_STRING:
         return IR_STRING;
+    case OPERAND_FIXED:
+        return IR_FIXED;
+    default:
+        return IR_FLOAT;
+    }
+}
+
+struct fixed_format ir_operand_format(const struct ir_operand *operand) {
+    return operand->kind == OPERAND_VARIABLE ? operand->variable->format : operand->format;
+}
+
+enum ir_type ir_letter_type(char letter, const struct ir_variable *array) {
+    switch (letter) {
+    case 'b':
+        return IR_BOOL;
+    case 's':
+        return IR_STRING;
+    case 'x':
+        return IR_FIXED;
+    case '*':
+        return array ? array->type : IR_FLOAT;
     default:
         return IR_FLOAT;
     }
@@ -145,15 +166,28 @@ void ir_each_write(struct ir_node *node, ir_visit_variable *visit, void *context
         visit(node->array, context);
 }
 
+static bool has_direction(const struct ir_program *ir) {
+    return (ir->kind == SHADER_KIND_LIGHT && !ir->is_ambient) ||
+           ir->kind == SHADER_KIND_DISPLACEMENT;
+}
+
 int ir_results(const struct ir_program *ir, struct ir_variable *results[IR_RESULTS_MAX]) {
     int count = 0;
     for (int i = 0; i < 3; i++)
         results[count++] = ir->color[i];
-    bool has_direction =
-        (ir->kind == SHADER_KIND_LIGHT && !ir->is_ambient) || ir->kind == SHADER_KIND_DISPLACEMENT;
-    for (int i = 0; i < 3 && has_direction; i++)
+    for (int i = 0; i < 3 && has_direction(ir); i++)
         results[count++] = ir->direction[i];
     if (ir->kind == SHADER_KIND_LIGHT)
         results[count++] = ir->lit;
     return count;
+}
+
+void ir_set_results(struct ir_program *ir, struct ir_variable *const *results) {
+    int count = 0;
+    for (int i = 0; i < 3; i++)
+        ir->color[i] = results[count++];
+    for (int i = 0; i < 3 && has_direction(ir); i++)
+        ir->direction[i] = results[count++];
+    if (ir->kind == SHADER_KIND_LIGHT)
+        ir->lit = results[count++];
 }

@@ -28,7 +28,7 @@ struct ir_operation_info {
 enum { IR_FREE = -1 };
 extern const struct ir_operation_info ir_operations[IR_OPERATION_COUNT];
 
-enum ir_type { IR_FLOAT, IR_BOOL, IR_STRING };
+enum ir_type { IR_FLOAT, IR_BOOL, IR_STRING, IR_FIXED };
 
 struct ir_list;
 struct ir_node;
@@ -36,7 +36,8 @@ struct ir_node;
 struct ir_variable {
     int id;
     enum ir_type type;
-    int array_length; /* 0: one scalar */
+    struct fixed_format format; /* of IR_FIXED */
+    int array_length;           /* 0: one scalar */
     struct ir_list *home;
     const char *name;  /* the user's, NULL for a temporary */
     bool is_temporary; /* assigned once */
@@ -47,6 +48,8 @@ struct ir_variable {
     bool is_tainted;        /* depends on an illuminance, blocks.c */
     bool in_prepare, in_shade, is_written_in_prepare, is_written_in_shade; /* hoist.c */
     int slot;                        /* first float in the uniform block, -1 when not there */
+    int demanded_bits;               /* scratch of fixed_sizes.c */
+    bool is_renamed;                 /* scratch of ssa.c */
     int use_count, definition_count; /* scratch of merge_moves.c */
     struct ir_node *definition;
     struct ir_use *uses; /* scratch of infer_storage.c and dead_code.c */
@@ -58,7 +61,8 @@ enum ir_operand_kind {
     OPERAND_VARIABLE,
     OPERAND_FLOAT,
     OPERAND_BOOL,
-    OPERAND_STRING
+    OPERAND_STRING,
+    OPERAND_FIXED
 };
 
 struct ir_operand {
@@ -68,7 +72,9 @@ struct ir_operand {
         float number;
         int truth;
         int32_t identity;
+        int64_t raw;
     };
+    struct fixed_format format; /* of OPERAND_FIXED */
 };
 
 enum { IR_OPERANDS_MAX = 8 };
@@ -131,9 +137,16 @@ struct ir_program {
     int block_count, block_capacity;
 };
 
+/* Floats that one value takes in the uniform block. */
+static inline int ir_slot_floats(const struct ir_variable *variable) {
+    return variable->type == IR_FIXED ? 2 : 1;
+}
+
 /* The results of the program: Ci; or L, Cl and lit; or P and N. */
 enum { IR_RESULTS_MAX = 7 };
 int ir_results(const struct ir_program *ir, struct ir_variable *results[IR_RESULTS_MAX]);
+/* Puts others in their place, in the same order. */
+void ir_set_results(struct ir_program *ir, struct ir_variable *const *results);
 
 struct ir_use {
     struct ir_node *node;
@@ -158,9 +171,28 @@ static inline struct ir_operand ir_bool(bool truth) {
 static inline struct ir_operand ir_string(int32_t identity) {
     return (struct ir_operand){.kind = OPERAND_STRING, .identity = identity};
 }
+static inline struct ir_operand ir_fixed(int64_t raw, struct fixed_format format) {
+    return (struct ir_operand){.kind = OPERAND_FIXED, .raw = raw, .format = format};
+}
 enum ir_type ir_operand_type(const struct ir_operand *operand);
+/* Of a fixed-point operand. */
+struct fixed_format ir_operand_format(const struct ir_operand *operand);
+/* The type that a letter of ir_operations.h stands for; `array` is that of an ARRAY_ instruction.
+ */
+enum ir_type ir_letter_type(char letter, const struct ir_variable *array);
+/* Whether an operation works on fixed-point numbers: its C is in emit_fixed.c, its price in
+ * price_fixed.c. */
+static inline bool ir_operation_is_fixed(enum ir_operation operation) {
+    return operation >= IR_MOVE_FIXED && operation <= IR_FIXED_NOT_EQUAL;
+}
 static inline bool ir_operand_is_varying(const struct ir_operand *operand) {
     return operand->kind == OPERAND_VARIABLE && operand->variable->is_varying;
+}
+/* Whether the node copies a value unchanged, in the same format. */
+static inline bool ir_is_move(const struct ir_node *node) {
+    return node->kind == NODE_INSTRUCTION &&
+           (node->operation == IR_MOVE || node->operation == IR_MOVE_BOOL ||
+            node->operation == IR_MOVE_FIXED);
 }
 /* How many operands the operation takes. */
 static inline int ir_operand_count(enum ir_operation operation) {
@@ -184,8 +216,22 @@ void ir_each_read(struct ir_node *node, ir_visit_variable *visit, void *context)
 /* ... and written by it (an array stored to included). */
 void ir_each_write(struct ir_node *node, ir_visit_variable *visit, void *context);
 
-/* The passes, in order. Each reports what the user did wrong to ir->c and leaves valid IR. */
-/* lower.c: a program of shaders that run one after the other on the same samples. `symbols` are the
+/* propagate_copies.c: what is known of single assignments. Counts definitions and numbers nodes;
+ * every pass that asks the following calls this first. */
+void ir_prepare_propagation(struct ir_program *ir);
+/* Whether the variable has one value from its definition to the end of the list that declares it.
+ */
+bool ir_variable_is_settled(const struct ir_variable *variable);
+/* Replaces what the node reads by what it is only a copy of. */
+void ir_propagate_into(struct ir_node *node);
+/* Whether the results follow from operands, index and parameter alone, wherever the instruction
+ * stands. */
+static inline bool ir_operation_is_pure(enum ir_operation operation) {
+    return operation != IR_ARRAY_LOAD && operation != IR_ARRAY_STORE &&
+           ir_operations[operation].types[0] != '0';
+}
+
+/* lower.c: the syntax trees as IR, on which the passes of passes.h work. Shaders run one after the other on the same samples. `symbols` are the
  * predefined variables in use, by their number in `globals`. */
 struct checked_unit {
     struct ast_unit *unit, *prelude;
@@ -194,16 +240,8 @@ struct checked_unit {
 /* The kind of the program is that of `units[main]`. */
 struct ir_program *lower_units(struct compilation *c, const struct checked_unit *units, int count,
                                int main);
-void pass_propagate_copies(
-    struct ir_program *ir);                   /* propagate_copies.c: `x = a; y = x` is `y = a` */
-void pass_merge_moves(struct ir_program *ir); /* merge_moves.c: `t = a + b; x = t` is `x = a + b` */
-void pass_dead_code(struct ir_program *ir);   /* dead_code.c: what cannot reach the result goes */
-void pass_infer_storage(struct ir_program *ir); /* infer_storage.c: uniform or varying */
-void pass_bind_parameters(
-    struct ir_program *ir);              /* bind_parameters.c: transfer map and bound values */
-void pass_hoist(struct ir_program *ir);  /* hoist.c: what runs in prepare(), the uniform block */
-void pass_blocks(struct ir_program *ir); /* blocks.c: streams and operation counts */
-void pass_emit(struct ir_program *ir);   /* emit.c: C text into ir->c->output */
+/* Adds what a varying fixed-point operation costs to counts by simd_operation (price_fixed.c). */
+void price_fixed(const struct ir_node *node, uint32_t *operations);
 /* Stops the compilation with STATUS_INTERNAL when the IR breaks a rule of this file; `after` names
  * the pass. */
 void ir_validate(struct ir_program *ir, const char *after, bool is_storage_known);

@@ -6,9 +6,11 @@
  * C.
  *
  * X(NAME, result and operand types, operation, scalar C, vector C). Types: f float, b condition, s
- * string identity; the first letter is the result ('3' is three floats, each wanted or not; '0'
- * none). In the C, $0 $1 $2 are operands, $F is "_fast" when asked for. Rows with no C are written
- * by emit_instruction.c itself. */
+ * string identity, x fixed-point, * whatever the array holds; the first letter is the result ('3'
+ * is three floats, each wanted or not; '0' none). In the C, $0 $1 $2 are operands, $F is "_fast"
+ * when asked for. Rows with no C are written by emit_instruction.c itself, those of fixed-point by
+ * emit_fixed.c; what a fixed-point operation costs follows from the sizes (price_fixed.c). Its
+ * result is the exact one, rounded down to the exponent of the result and cut to its size. */
 #define IR_OPERATIONS(X)                                                                           \
     X(MOVE, "ff", FLOAT_MOVE, "$0", "$0")                                                          \
     X(MOVE_BOOL, "bb", LOGIC, "$0", "$0")                                                          \
@@ -72,8 +74,32 @@
     X(OR, "bbb", LOGIC, "$0 | $1", "$0 | $1")                                                      \
     X(NOT, "bb", LOGIC, "!$0", "~$0")                                                              \
     X(STRING_EQUAL, "bss", FREE, "$0 == $1", NULL)                                                 \
-    X(ARRAY_LOAD, "ff", FLOAT_MOVE, NULL, NULL)   /* result = array[operand 0] */                  \
-    X(ARRAY_STORE, "0ff", FLOAT_MOVE, NULL, NULL) /* array[operand 0] = operand 1 */               \
+    X(MOVE_FIXED, "xx", FREE, NULL, NULL)                                                          \
+    X(FIXED_ADD, "xxx", FREE, NULL, NULL)                                                          \
+    X(FIXED_SUBTRACT, "xxx", FREE, NULL, NULL)                                                     \
+    X(FIXED_MULTIPLY, "xxx", FREE, NULL, NULL)                                                     \
+    X(FIXED_DIVIDE, "xxx", FREE, NULL, NULL)                                                       \
+    X(FIXED_REMAINDER, "xxx", FREE, NULL, NULL)                                                    \
+    X(FIXED_MIN, "xxx", FREE, NULL, NULL)                                                          \
+    X(FIXED_MAX, "xxx", FREE, NULL, NULL)                                                          \
+    X(FIXED_SELECT, "xbxx", FREE, NULL, NULL)                                                      \
+    X(FIXED_NEGATE, "xx", FREE, NULL, NULL)                                                        \
+    X(FIXED_ABS, "xx", FREE, NULL, NULL)                                                           \
+    X(FIXED_CONVERT, "xx", FREE, NULL, NULL)                                                       \
+    X(FIXED_CEIL, "xx", FREE, NULL, NULL)                                                          \
+    X(FIXED_ROUND, "xx", FREE, NULL, NULL)                                                         \
+    X(FIXED_SQRT, "xx", FREE, NULL, NULL)                                                          \
+    X(FIXED_NOISE1, "xx", FREE, NULL, NULL)                                                        \
+    X(FIXED_NOISE2, "xxx", FREE, NULL, NULL)                                                       \
+    X(FIXED_NOISE3, "xxxx", FREE, NULL, NULL)                                                      \
+    X(FIXED_FROM_FLOAT, "xf", FREE, NULL, NULL)                                                    \
+    X(FIXED_TO_FLOAT, "fx", FREE, NULL, NULL)                                                      \
+    X(FIXED_LESS, "bxx", FREE, NULL, NULL)                                                         \
+    X(FIXED_LESS_EQUAL, "bxx", FREE, NULL, NULL)                                                   \
+    X(FIXED_EQUAL, "bxx", FREE, NULL, NULL)                                                        \
+    X(FIXED_NOT_EQUAL, "bxx", FREE, NULL, NULL)                                                    \
+    X(ARRAY_LOAD, "*f", FLOAT_MOVE, NULL, NULL)   /* result = array[operand 0] */                  \
+    X(ARRAY_STORE, "0f*", FLOAT_MOVE, NULL, NULL) /* array[operand 0] = operand 1 */               \
     X(MATERIAL, "f", FREE, NULL, NULL)            /* component `index` of `parameter` */           \
     X(BOUND, "f", FREE, NULL, NULL)               /* the same, bound */                            \
     X(BOUND_STRING, "s", FREE, NULL, NULL)                                                         \

@@ -219,7 +219,7 @@ void lexer_next(struct lexer *lexer, struct token *token) {
             }
         lexer->cursor++;
         if (byte &&
-            strchr(lexer->in_directive ? "+-*/.^!<>=?:;,(){}[]#%&|~\\'@`$" : "+-*/.^!<>=?:;,(){}[]",
+            strchr(lexer->in_directive ? "+-*/.^!<>=?:;,(){}[]#%&|~\\'@`$" : "+-*/%.^!<>=?:;,(){}[]",
                    byte)) {
             token->kind = byte;
             return;

@@ -115,9 +115,33 @@ struct ir_value lower_matrix_in_space(struct lowering *l, const struct source_lo
 struct ir_value lower_matrix_builtin(struct lowering *l, const struct ast_expression *e,
                                      const struct ir_value *arguments);
 
+/* lower_fixed.c: operations on fixed-point numbers, with the format of their result */
+struct ir_operand lower_fixed(struct lowering *l, const struct source_location *at,
+                              enum ir_operation operation, struct fixed_format format,
+                              struct ir_operand a, struct ir_operand b, struct ir_operand d);
+struct ir_operand lower_fixed_number(float number);
+/* a token b with token one of + - * / % */
+struct ir_operand lower_fixed_binary(struct lowering *l, const struct source_location *at,
+                                     int token, struct ir_operand a, struct ir_operand b);
+struct ir_operand lower_fixed_negate(struct lowering *l, const struct source_location *at,
+                                     struct ir_operand a);
+/* To a fixed-point type from fixed-point, float or condition, or from fixed-point to float. */
+struct ir_operand lower_fixed_convert(struct lowering *l, const struct source_location *at,
+                                      struct ir_operand a, enum ast_type type);
+/* A standard function whose arguments are fixed-point. */
+struct ir_operand lower_fixed_call(struct lowering *l, const struct ast_expression *e,
+                                   const struct ir_operand *a, int count);
+/* Copies an array of `length` elements, or a triple into an array of three, converting the elements.
+ */
+void lower_array_convert(struct lowering *l, const struct source_location *at, enum ast_type type,
+                         const struct ir_value *to, int length, enum ast_type from_type,
+                         const struct ir_value *from);
+
 /* lower_expression.c */
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
 /* lower_builtin.c */
+struct ir_operand lower_mod(struct lowering *l, const struct source_location *at,
+                            struct ir_operand a, struct ir_operand b);
 struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e);
 /* lower_noise.c: the noises and random() */
 struct ir_value lower_noise(struct lowering *l, struct ast_expression *e,

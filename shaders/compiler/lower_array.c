@@ -10,6 +10,8 @@ static struct ir_operand load(struct lowering *l, const struct source_location *
     struct ir_operand none = {0};
     struct ir_operand result = lower_operate(l, at, IR_ARRAY_LOAD, index, none, none);
     l->list->last->array = array;
+    result.variable->type = array->type;
+    result.variable->format = array->format;
     return result;
 }
 

@@ -24,10 +24,10 @@ static struct ir_operand op2(struct lowering *l, const struct ast_expression *e,
 }
 
 /* mod(a, b) = a - b floor(a / b) */
-static struct ir_operand lower_mod(struct lowering *l, const struct ast_expression *e,
-                                   struct ir_operand a, struct ir_operand b) {
-    struct ir_operand whole = op1(l, e, IR_FLOOR, op2(l, e, IR_DIVIDE, a, b));
-    return op2(l, e, IR_SUBTRACT, a, op2(l, e, IR_MULTIPLY, b, whole));
+struct ir_operand lower_mod(struct lowering *l, const struct source_location *at,
+                            struct ir_operand a, struct ir_operand b) {
+    struct ir_operand whole = lower_unary(l, at, IR_FLOOR, lower_binary(l, at, IR_DIVIDE, a, b));
+    return lower_binary(l, at, IR_SUBTRACT, a, lower_binary(l, at, IR_MULTIPLY, b, whole));
 }
 
 static struct ir_operand lower_sign(struct lowering *l, const struct ast_expression *e,
@@ -181,7 +181,7 @@ static struct ir_value lower_one_float(struct lowering *l, const struct ast_expr
         x = op1(l, e, IR_LOG, x);
         return scalar(a->count == 2 ? op2(l, e, IR_DIVIDE, x, op1(l, e, IR_LOG, y)) : x);
     case BUILTIN_MOD:
-        return scalar(lower_mod(l, e, x, y));
+        return scalar(lower_mod(l, &e->at, x, y));
     case BUILTIN_ABS:
         return scalar(op1(l, e, IR_ABS, x));
     case BUILTIN_SIGN:
@@ -229,6 +229,12 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_expression(l, x);
+    }
+    if (ast_type_is_fixed(e->type)) {
+        struct ir_operand operands[BUILTIN_ARGUMENTS_MAX];
+        for (int i = 0; i < a.count; i++)
+            operands[i] = a.value[i].part[0];
+        return scalar(lower_fixed_call(l, e, operands, a.count));
     }
     if (a.count && a.value[0].array_length)
         return lower_matrix_builtin(l, e, a.value);

@@ -22,9 +22,33 @@ static struct ir_value into_current(struct lowering *l, const struct source_loca
     return lower_transform(l, at, type, &from, &to, value);
 }
 
+/* (a[0], a[1], a[2]), as floats */
+static struct ir_value lower_triple_of_array(struct lowering *l, const struct ast_expression *e,
+                                             const struct ir_value *array) {
+    struct ir_value value = {.count = 3};
+    for (int i = 0; i < 3; i++) {
+        value.part[i] =
+            lower_array_load(l, &e->at, e->left->type, array, ir_float((float)i)).part[0];
+        if (ast_type_is_fixed(e->left->type))
+            value.part[i] = lower_fixed_convert(l, &e->at, value.part[i], TYPE_FLOAT);
+    }
+    return value;
+}
+
 static struct ir_value lower_convert(struct lowering *l, struct ast_expression *e) {
     struct ir_value value = lower_expression(l, e->left);
     enum ast_type from = e->left->type;
+    if (e->left->array_length)
+        return lower_triple_of_array(l, e, &value);
+    if (ast_type_is_fixed(from) && e->type == TYPE_BOOL) {
+        value.part[0] =
+            lower_binary(l, &e->at, IR_FIXED_NOT_EQUAL, value.part[0], lower_fixed_number(0));
+        return value;
+    }
+    if (ast_type_is_fixed(from) || ast_type_is_fixed(e->type)) {
+        value.part[0] = lower_fixed_convert(l, &e->at, value.part[0], e->type);
+        return value;
+    }
     if (from == TYPE_FLOAT && e->type == TYPE_BOOL)
         value.part[0] = lower_binary(l, &e->at, IR_NOT_EQUAL, value.part[0], ir_float(0));
     else if (from == TYPE_BOOL && e->type != TYPE_BOOL)
@@ -57,6 +81,12 @@ static struct ir_value lower_cast(struct lowering *l, struct ast_expression *e) 
         in_default && !takes_space; /* the cast says or implies the space of what it holds */
     struct ir_value value = lower_expression(l, e->left);
     l->in_default = in_default;
+    if (ast_type_is_fixed(e->type)) {
+        value.part[0] = lower_fixed_convert(l, &e->at, value.part[0], e->type);
+        return value;
+    }
+    if (ast_type_is_fixed(e->left->type))
+        value.part[0] = lower_fixed_convert(l, &e->at, value.part[0], TYPE_FLOAT);
     if (e->left->type == TYPE_BOOL)
         value.part[0] =
             lower_operate(l, &e->at, IR_SELECT, value.part[0], ir_float(1), ir_float(0));
@@ -86,6 +116,8 @@ static struct ir_value lower_unary_expression(struct lowering *l, struct ast_exp
     for (int i = 0; i < value.count; i++) {
         if (value.part[i].kind == OPERAND_FLOAT)
             value.part[i].number = -value.part[i].number;
+        else if (ir_operand_type(&value.part[i]) == IR_FIXED)
+            value.part[i] = lower_fixed_negate(l, &e->at, value.part[i]);
         else
             value.part[i] =
                 lower_unary(l, &e->at, e->token == '!' ? IR_NOT : IR_NEGATE, value.part[i]);
@@ -104,6 +136,9 @@ static struct ir_value lower_equality(struct lowering *l, struct ast_expression 
         struct ir_operand same = lower_binary(l, &e->at, IR_STRING_EQUAL, a->part[0], b->part[0]);
         return scalar(is_equal ? same : lower_unary(l, &e->at, IR_NOT, same));
     }
+    if (ast_type_is_fixed(e->left->type))
+        return scalar(lower_binary(l, &e->at, is_equal ? IR_FIXED_EQUAL : IR_FIXED_NOT_EQUAL,
+                                   a->part[0], b->part[0]));
     struct ir_value each = lower_each(l, &e->at, is_equal ? IR_EQUAL : IR_NOT_EQUAL, a, b);
     struct ir_operand all = each.part[0];
     for (int i = 1; i < each.count; i++)
@@ -128,19 +163,26 @@ static struct ir_value lower_binary_expression(struct lowering *l, struct ast_ex
     struct ir_value a = lower_expression(l, e->left), b = lower_expression(l, e->right);
     if (e->type == TYPE_MATRIX)
         return lower_matrix_binary(l, &e->at, e->token == '/', &a, &b);
+    const bool is_fixed = ast_type_is_fixed(e->left->type);
+    if (is_fixed && ast_type_is_fixed(e->type))
+        return scalar(lower_fixed_binary(l, &e->at, e->token, a.part[0], b.part[0]));
+    const enum ir_operation less = is_fixed ? IR_FIXED_LESS : IR_LESS,
+                            less_equal = is_fixed ? IR_FIXED_LESS_EQUAL : IR_LESS_EQUAL;
     switch (e->token) {
     case TOKEN_AND:
         return scalar(lower_binary(l, &e->at, IR_AND, a.part[0], b.part[0]));
     case TOKEN_OR:
         return scalar(lower_binary(l, &e->at, IR_OR, a.part[0], b.part[0]));
     case '<':
-        return scalar(lower_binary(l, &e->at, IR_LESS, a.part[0], b.part[0]));
+        return scalar(lower_binary(l, &e->at, less, a.part[0], b.part[0]));
     case '>':
-        return scalar(lower_binary(l, &e->at, IR_LESS, b.part[0], a.part[0]));
+        return scalar(lower_binary(l, &e->at, less, b.part[0], a.part[0]));
     case TOKEN_LESS_EQUAL:
-        return scalar(lower_binary(l, &e->at, IR_LESS_EQUAL, a.part[0], b.part[0]));
+        return scalar(lower_binary(l, &e->at, less_equal, a.part[0], b.part[0]));
     case TOKEN_GREATER_EQUAL:
-        return scalar(lower_binary(l, &e->at, IR_LESS_EQUAL, b.part[0], a.part[0]));
+        return scalar(lower_binary(l, &e->at, less_equal, b.part[0], a.part[0]));
+    case '%':
+        return scalar(lower_mod(l, &e->at, a.part[0], b.part[0]));
     case TOKEN_EQUAL:
     case TOKEN_NOT_EQUAL:
         return lower_equality(l, e, &a, &b);
@@ -187,8 +229,11 @@ static struct ir_value lower_conditional(struct lowering *l, struct ast_expressi
                 lower_operate(l, &e->at, IR_SELECT, condition.part[0], a.part[i], b.part[i]);
         return value;
     }
-    for (int i = 0; i < value.count && !value.array_length; i++)
+    for (int i = 0; i < value.count && !value.array_length; i++) {
         value.part[i] = ir_of(ir_variable_new(l->ir, l->list, lower_type(e->type), NULL));
+        if (ast_type_is_fixed(e->type))
+            value.part[i].variable->format = ast_type_format(e->type);
+    }
     if (e->type == TYPE_STRING)
         value.part[0].variable->is_declared_uniform = true;
     struct ir_node *node = lower_control(l, NODE_IF, &e->at);
@@ -205,11 +250,27 @@ static struct ir_value lower_conditional(struct lowering *l, struct ast_expressi
     return value;
 }
 
+/* The new value of a fixed-point target of += and its like: in fixed-point, or in floats when a
+ * float comes in. */
+static struct ir_value lower_fixed_change(struct lowering *l, const struct ast_expression *e,
+                                          struct ir_operand left, struct ir_operand right) {
+    struct ir_operand result;
+    if (ir_operand_type(&right) == IR_FIXED) {
+        result = lower_fixed_binary(l, &e->at, e->token, left, right);
+    } else {
+        left = lower_fixed_convert(l, &e->at, left, TYPE_FLOAT);
+        result = e->token == '%' ? lower_mod(l, &e->at, left, right)
+                                 : lower_binary(l, &e->at, arithmetic(e->token), left, right);
+    }
+    return scalar(lower_fixed_convert(l, &e->at, result, e->type));
+}
+
 static struct ir_value lower_assignment(struct lowering *l, struct ast_expression *e) {
     if (e->left->array_length) {
         struct ir_value to = *lower_symbol(l, e->left->symbol, &e->left->at);
-        struct ir_value from = *lower_symbol(l, e->right->symbol, &e->right->at);
-        lower_array_copy(l, &e->at, e->left->type, &to, &from, e->left->array_length);
+        struct ir_value from = lower_expression(l, e->right);
+        lower_array_convert(l, &e->at, e->left->type, &to, e->left->array_length, e->right->type,
+                            &from);
         return (struct ir_value){0};
     }
     struct ir_value right = lower_expression(l, e->right);
@@ -217,9 +278,14 @@ static struct ir_value lower_assignment(struct lowering *l, struct ast_expressio
     target.at = &e->at;
     if (e->token) {
         struct ir_value left = lower_target_read(l, &target);
-        right = e->type == TYPE_MATRIX
-                    ? lower_matrix_binary(l, &e->at, e->token == '/', &left, &right)
-                    : lower_each(l, &e->at, arithmetic(e->token), &left, &right);
+        if (e->type == TYPE_MATRIX)
+            right = lower_matrix_binary(l, &e->at, e->token == '/', &left, &right);
+        else if (ast_type_is_fixed(e->type))
+            right = lower_fixed_change(l, e, left.part[0], right.part[0]);
+        else if (e->token == '%')
+            right = scalar(lower_mod(l, &e->at, left.part[0], right.part[0]));
+        else
+            right = lower_each(l, &e->at, arithmetic(e->token), &left, &right);
     }
     if (!right.array_length)
         right = widen(&right, e->type);
@@ -230,7 +296,8 @@ static struct ir_value lower_assignment(struct lowering *l, struct ast_expressio
 static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {
     switch (e->kind) {
     case EXPRESSION_NUMBER:
-        return scalar(ir_float(e->number));
+        return scalar(ast_type_is_fixed(e->type) ? lower_fixed_number(e->number)
+                                                 : ir_float(e->number));
     case EXPRESSION_STRING:
         return scalar(ir_string(shader_string_identity(e->name)));
     case EXPRESSION_NAME:

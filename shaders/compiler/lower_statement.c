@@ -76,8 +76,13 @@ static void lower_declaration(struct lowering *l, struct ast_symbol *symbol) {
     *value = lower_variables(l, &symbol->at, symbol->type, symbol->array_length, symbol->name,
                              symbol->storage);
     symbol->value = value;
-    if (initial.count)
+    if (symbol->initial && symbol->array_length) {
+        initial = lower_expression(l, symbol->initial);
+        lower_array_convert(l, &symbol->initial->at, symbol->type, value, symbol->array_length,
+                            symbol->initial->type, &initial);
+    } else if (initial.count) {
         lower_assign(l, &symbol->initial->at, value, &initial);
+    }
     int element = 0;
     for (struct ast_expression *e = symbol->elements; e; e = e->next, element++) {
         struct ir_value one = lower_expression(l, e);

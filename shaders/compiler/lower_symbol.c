@@ -201,7 +201,11 @@ static void lower_default(struct lowering *l, struct ast_symbol *symbol,
         store_component(l, &symbol->at, value, 1, i, ir_string(shader_string_identity("")), false);
     if (symbol->initial) {
         struct ir_value initial = lower_expression(l, symbol->initial);
-        lower_assign(l, &symbol->initial->at, value, &initial);
+        if (symbol->array_length)
+            lower_array_convert(l, &symbol->initial->at, symbol->type, value, symbol->array_length,
+                                symbol->initial->type, &initial);
+        else
+            lower_assign(l, &symbol->initial->at, value, &initial);
     }
     for (struct ast_expression *e = symbol->elements; e; e = e->next, element++) {
         struct ir_value initial = lower_expression(l, e);
@@ -223,6 +227,52 @@ static void copy_parameter(struct lowering *l, struct ast_symbol *symbol,
         lower_assign(l, &symbol->at, symbol->value, &loaded);
 }
 
+/* What comes from outside as a float and is fixed-point inside: nothing is charged for a parameter
+ * that lies in the transfer map in its own format. */
+static struct ir_operand into_format(struct lowering *l, const struct source_location *at,
+                                     enum ast_type type, struct ir_operand value) {
+    if (!ast_type_is_fixed(type))
+        return value;
+    value = lower_fixed_convert(l, at, value, type);
+    l->list->last->is_free = true;
+    return value;
+}
+
+static struct ir_value read_triple(struct lowering *l, const struct ast_symbol *symbol,
+                                   const struct ir_value *array) {
+    struct ir_value value = {.count = 3};
+    for (int i = 0; i < 3; i++) {
+        value.part[i] =
+            lower_array_load(l, &symbol->at, symbol->type, array, ir_float((float)i)).part[0];
+        if (ast_type_is_fixed(symbol->type))
+            value.part[i] = lower_fixed_convert(l, &symbol->at, value.part[i], TYPE_FLOAT);
+    }
+    return value;
+}
+
+/* A default value with a transformation attribute is in shader space (PF section 3.1). */
+static void transform_default(struct lowering *l, const struct ast_symbol *symbol,
+                              const struct ir_value *array) {
+    static const enum ast_type types[] = {[TRANSFORM_POINT] = TYPE_POINT,
+                                          [TRANSFORM_VECTOR] = TYPE_VECTOR,
+                                          [TRANSFORM_NORMAL] = TYPE_NORMAL};
+    if (symbol->transform == TRANSFORM_NONE || symbol->transform == TRANSFORM_TEXTURE)
+        return;
+    struct ir_operand from = ir_string(SHADER_SPACE_SHADER), to = ir_string(SHADER_SPACE_CURRENT);
+    struct ir_value value = read_triple(l, symbol, array);
+    value = lower_transform(l, &symbol->at, types[symbol->transform], &from, &to, &value);
+    lower_array_convert(l, &symbol->at, symbol->type, array, 3, TYPE_VECTOR, &value);
+}
+
+static void make_unit(struct lowering *l, const struct ast_symbol *symbol,
+                      const struct ir_value *array) {
+    if (!symbol->is_unit)
+        return;
+    struct ir_value value = read_triple(l, symbol, array);
+    value = lower_normalize(l, &symbol->at, &value);
+    lower_array_convert(l, &symbol->at, symbol->type, array, 3, TYPE_VECTOR, &value);
+}
+
 /* if (given) p = bound else p = default. In an instance that binds it, a parameter declared varying
  * is loaded into pixel memory; others are uniform. */
 static void lower_bound_parameter(struct lowering *l, struct ast_symbol *symbol,
@@ -240,12 +290,15 @@ static void lower_bound_parameter(struct lowering *l, struct ast_symbol *symbol,
     for (int i = 0; i < parameter->components; i++) {
         struct ir_operand bound =
             load(l, &symbol->at, is_string ? IR_BOUND_STRING : IR_BOUND, parameter, i);
+        bound = into_format(l, &symbol->at, symbol->type, bound);
         store_component(l, &symbol->at, &value, width, i, bound, false);
     }
     l->list = l->scope = node->otherwise;
     lower_default(l, symbol, &value);
+    transform_default(l, symbol, &value);
     l->list = list;
     l->scope = scope;
+    make_unit(l, symbol, &value);
     *symbol->value = value;
     if (is_string && symbol->is_assigned)
         copy_parameter(l, symbol, STORAGE_UNIFORM);
@@ -260,15 +313,21 @@ static void lower_material_parameter(struct lowering *l, struct ast_symbol *symb
     int width = ast_type_width(symbol->type);
     if (!symbol->array_length && symbol->type != TYPE_MATRIX) {
         *symbol->value = load_all(l, &symbol->at, IR_MATERIAL, parameter, width);
+        for (int i = 0; i < width; i++)
+            symbol->value->part[i] =
+                into_format(l, &symbol->at, symbol->type, symbol->value->part[i]);
         if (symbol->is_assigned)
             copy_parameter(l, symbol, STORAGE_VARYING);
         return;
     }
     *symbol->value = lower_variables(l, &symbol->at, symbol->type, symbol->array_length,
                                      symbol->name, STORAGE_VARYING);
-    for (int i = 0; i < parameter->components; i++)
-        store_component(l, &symbol->at, symbol->value, width, i,
-                        load(l, &symbol->at, IR_MATERIAL, parameter, i), true);
+    for (int i = 0; i < parameter->components; i++) {
+        struct ir_operand loaded = load(l, &symbol->at, IR_MATERIAL, parameter, i);
+        loaded = into_format(l, &symbol->at, symbol->type, loaded);
+        store_component(l, &symbol->at, symbol->value, width, i, loaded, true);
+    }
+    make_unit(l, symbol, symbol->value);
 }
 
 static struct shader_parameter *add_parameter(struct lowering *l, const char *name,
@@ -276,13 +335,18 @@ static struct shader_parameter *add_parameter(struct lowering *l, const char *na
                                               const struct source_location *at) {
     struct shader_program *program = l->c->program;
     struct shader_parameter *parameter = &program->parameters[program->parameter_count++];
+    const int components =
+        (ast_type_is_fixed(type) ? 1 : shader_type_components((enum shader_type)type)) *
+        (array_length ? array_length : 1);
     *parameter = (struct shader_parameter){
         .name = arena_copy_string(&program->arena, name, strlen(name)),
-        .type = (enum shader_type)type,
+        .type = ast_type_is_fixed(type) ? SHADER_FIXED : (enum shader_type)type,
+        .format = ast_type_is_fixed(type) ? ast_type_format(type) : (struct fixed_format){0},
         .array_length = array_length,
-        .components =
-            shader_type_components((enum shader_type)type) * (array_length ? array_length : 1),
+        .components = components,
+        .bytes = components * (ast_type_is_fixed(type) ? fixed_bytes(ast_type_format(type)) : 4),
         .map_offset = -1,
+        .map_byte = -1,
         .bound_offset = -1,
         .line = at ? at->line : 0,
         .column = at ? at->column : 0,
@@ -299,6 +363,7 @@ static void add_parameters(struct lowering *l, const struct ast_unit *unit) {
         parameter->shader = unit->kind;
         parameter->is_output = symbol->is_output;
         parameter->is_uniform_declared = symbol->storage == STORAGE_UNIFORM;
+        parameter->transform = (enum shader_transform)symbol->transform;
         parameter->is_material = is_material(l, symbol->name);
         parameter->is_varying = parameter->is_material || symbol->storage == STORAGE_VARYING;
         if (parameter->is_material &&

@@ -13,7 +13,10 @@ void lower_deeper(struct lowering *l, const struct source_location *at, int dept
 }
 
 enum ir_type lower_type(enum ast_type type) {
-    return type == TYPE_BOOL ? IR_BOOL : type == TYPE_STRING ? IR_STRING : IR_FLOAT;
+    return type == TYPE_BOOL         ? IR_BOOL
+           : type == TYPE_STRING     ? IR_STRING
+           : ast_type_is_fixed(type) ? IR_FIXED
+                                     : IR_FLOAT;
 }
 
 struct ir_variable *lower_temporary(struct lowering *l, enum ir_type type) {
@@ -26,15 +29,12 @@ struct ir_operand lower_operate(struct lowering *l, const struct source_location
                                 enum ir_operation operation, struct ir_operand a,
                                 struct ir_operand b, struct ir_operand d) {
     struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, at));
-    char result = ir_operations[operation].types[0];
     node->operation = operation;
     node->is_fast = l->c->options && l->c->options->fast_math;
     node->operands[0] = a;
     node->operands[1] = b;
     node->operands[2] = d;
-    node->results[0] = lower_temporary(l, result == 'b'   ? IR_BOOL
-                                          : result == 's' ? IR_STRING
-                                                          : IR_FLOAT);
+    node->results[0] = lower_temporary(l, ir_letter_type(ir_operations[operation].types[0], NULL));
     return ir_of(node->results[0]);
 }
 
@@ -115,16 +115,20 @@ void lower_move(struct lowering *l, const struct source_location *at, struct ir_
     if (from.kind == OPERAND_VARIABLE && from.variable == to)
         return;
     struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, at));
-    node->operation = to->type == IR_BOOL     ? IR_MOVE_BOOL
-                      : to->type == IR_STRING ? IR_MOVE_STRING
-                                              : IR_MOVE;
+    static const enum ir_operation moves[] = {
+        [IR_FLOAT] = IR_MOVE,
+        [IR_BOOL] = IR_MOVE_BOOL,
+        [IR_STRING] = IR_MOVE_STRING,
+        [IR_FIXED] = IR_MOVE_FIXED,
+    };
+    node->operation = moves[to->type];
     node->operands[0] = from;
     node->results[0] = to;
 }
 
 void lower_assign(struct lowering *l, const struct source_location *at, const struct ir_value *to,
                   const struct ir_value *from) {
-    if (to->array_length) { /* a matrix: other arrays are not assigned */
+    if (to->array_length) { /* a matrix, or of the same element type */
         lower_matrix_copy(l, at, to, from);
         return;
     }
@@ -134,6 +138,7 @@ void lower_assign(struct lowering *l, const struct source_location *at, const st
             if (safe.part[i].kind == OPERAND_VARIABLE &&
                 safe.part[i].variable == to->part[j].variable) {
                 struct ir_variable *copy = lower_temporary(l, safe.part[i].variable->type);
+                copy->format = safe.part[i].variable->format;
                 lower_move(l, at, copy, safe.part[i]);
                 safe.part[i] = ir_of(copy);
             }
@@ -163,6 +168,8 @@ struct ir_value lower_variables(struct lowering *l, const struct source_location
     for (int i = 0; i < value.count; i++) {
         struct ir_variable *variable = ir_variable_new(l->ir, l->scope, lower_type(type), name);
         variable->array_length = array_length;
+        if (ast_type_is_fixed(type))
+            variable->format = ast_type_format(type);
         variable->is_declared_uniform = storage == STORAGE_UNIFORM || type == TYPE_STRING;
         variable->is_forced_varying = storage == STORAGE_VARYING;
         value.part[i] = ir_of(variable);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 /* `t = a + b; ...; x = t` becomes `x = a + b` when nothing else uses t and nothing in between looks
  * at x: lowering makes such pairs for every assignment, and each would cost a move of pixel memory.
@@ -39,8 +39,7 @@ static bool touches(struct ir_node *node, struct ir_variable *variable) {
 }
 
 static bool try_merge(struct ir_node *move) {
-    if (move->kind != NODE_INSTRUCTION ||
-        (move->operation != IR_MOVE && move->operation != IR_MOVE_BOOL) ||
+    if (move->kind != NODE_INSTRUCTION || !ir_is_move(move) ||
         move->operands[0].kind != OPERAND_VARIABLE)
         return false;
     struct ir_variable *from = move->operands[0].variable, *to = move->results[0];

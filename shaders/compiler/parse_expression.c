@@ -87,10 +87,9 @@ static struct ast_expression *parse_name(struct parser *p) {
 static struct ast_expression *parse_unary(struct parser *p);
 
 /* type [string] unary */
-static struct ast_expression *parse_cast(struct parser *p, enum ast_type type) {
+static struct ast_expression *parse_cast(struct parser *p) {
     struct ast_expression *e = new_expression(p, EXPRESSION_CAST, &p->token.at);
-    e->type = type;
-    parser_advance(p);
+    e->type = parser_take_type(p);
     if (p->token.kind == TOKEN_STRING) {
         e->name = p->token.text;
         parser_advance(p);
@@ -154,8 +153,8 @@ static struct ast_expression *parse_unary(struct parser *p) {
         e->token = p->token.kind;
         parser_advance(p);
         set_child(p, e, &e->left, parse_unary(p));
-    } else if (parser_type(p, p->token.kind, &type)) {
-        e = parse_cast(p, type);
+    } else if (parser_at_type(p, &type)) {
+        e = parse_cast(p);
     } else {
         e = parse_primary(p);
     }
@@ -163,8 +162,8 @@ static struct ast_expression *parse_unary(struct parser *p) {
     return e;
 }
 
-/* From the loosest to the tightest: || && == < + ^ * . (section 11 of the RenderMan Interface 3.2)
- */
+/* From the loosest to the tightest: || && == < + ^ * . (section 11 of the RenderMan Interface 3.2;
+ * % is pfman's) */
 static int precedence(int kind) {
     switch (kind) {
     case TOKEN_OR:
@@ -186,6 +185,7 @@ static int precedence(int kind) {
         return 6;
     case '*':
     case '/':
+    case '%':
         return 7;
     case '.':
         return 8;

@@ -88,6 +88,63 @@ bool parser_type(const struct parser *p, int kind, enum ast_type *type) {
     return false;
 }
 
+/* `fixed` and `unsigned` are names like any other, but where a format follows. */
+static bool is_fixed_word(const struct token *token) {
+    return token->kind == TOKEN_IDENTIFIER && !strcmp(token->text, "fixed");
+}
+
+bool parser_at_type(const struct parser *p, enum ast_type *type) {
+    const bool is_unsigned =
+        p->token.kind == TOKEN_IDENTIFIER && !strcmp(p->token.text, "unsigned");
+    if ((is_unsigned && is_fixed_word(&p->ahead)) ||
+        (is_fixed_word(&p->token) && p->ahead.kind == '<' && p->second.kind == TOKEN_NUMBER)) {
+        *type = TYPE_ANY_FIXED;
+        return true;
+    }
+    return parser_type(p, p->token.kind, type);
+}
+
+/* A whole number with an optional sign. */
+static int parse_format_number(struct parser *p, int low, int high, const char *what) {
+    const bool is_negative = parser_accept(p, '-');
+    float number = p->token.number;
+    if (p->token.kind != TOKEN_NUMBER) {
+        parser_complain(p, &p->token.at, what);
+        return low;
+    }
+    number = is_negative ? -number : number;
+    if (number != floorf(number) || !(number >= (float)low && number <= (float)high)) {
+        parser_complain(p, &p->token.at, what);
+        number = (float)low;
+    }
+    parser_advance(p);
+    return (int)number;
+}
+
+enum ast_type parser_take_type(struct parser *p) {
+    enum ast_type type = TYPE_ERROR;
+    struct fixed_format format = {0};
+    if (!parser_at_type(p, &type)) {
+        parser_complain(p, &p->token.at, "expected a type");
+        return TYPE_ERROR;
+    }
+    format.is_unsigned = !is_fixed_word(&p->token);
+    parser_advance(p);
+    if (type != TYPE_ANY_FIXED)
+        return type;
+    if (format.is_unsigned)
+        parser_advance(p);
+    parser_expect(p, '<');
+    format.size = (int16_t)parse_format_number(
+        p, 1, FIXED_SIZE_MAX, "the size of a fixed-point type is a whole number from 1 to 64");
+    parser_expect(p, ',');
+    format.exponent = (int16_t)parse_format_number(
+        p, FIXED_EXPONENT_MIN, FIXED_EXPONENT_MAX,
+        "the exponent of a fixed-point type is a whole number from -512 to 512");
+    parser_expect(p, '>');
+    return ast_type_fixed(format);
+}
+
 /* After an error: up to and including the next ';', or up to a '}' or the end. */
 static void recover(struct parser *p) {
     while (p->token.kind != TOKEN_END && p->token.kind != '}') {
@@ -105,16 +162,54 @@ static struct ast_statement *new_statement(struct parser *p, enum ast_statement_
     return s;
 }
 
+static bool is_qualifier(int kind) {
+    return kind == TOKEN_EXTERN || kind == TOKEN_OUTPUT || kind == TOKEN_UNIFORM ||
+           kind == TOKEN_VARYING;
+}
+
 struct declaration {
     enum ast_type type;
     enum ast_storage storage;
     bool is_output, is_extern;
+    enum ast_transform transform;
+    bool is_unit;
 };
 
-/* {'extern' | 'output' | 'uniform' | 'varying'} */
+static const struct {
+    const char *name;
+    enum ast_transform transform;
+} attributes[] = {{"transform_as_point", TRANSFORM_POINT},
+                  {"transform_as_vector", TRANSFORM_VECTOR},
+                  {"transform_as_normal", TRANSFORM_NORMAL},
+                  {"transform_as_texture", TRANSFORM_TEXTURE},
+                  {"unit", TRANSFORM_NONE}};
+
+/* Which transformation attribute the token at hand is, -1 when none: like `fixed`, their names are
+ * free for other things where no type follows. */
+static int find_attribute(const struct parser *p) {
+    enum ast_type type;
+    const bool precedes = p->ahead.kind == TOKEN_IDENTIFIER ||
+                          parser_type(p, p->ahead.kind, &type) || is_qualifier(p->ahead.kind);
+    if (p->token.kind == TOKEN_IDENTIFIER && precedes)
+        for (size_t i = 0; i < sizeof attributes / sizeof *attributes; i++)
+            if (!strcmp(attributes[i].name, p->token.text))
+                return (int)i;
+    return -1;
+}
+
+static bool at_attribute(const struct parser *p) {
+    return find_attribute(p) >= 0;
+}
+
+/* {'extern' | 'output' | 'uniform' | 'varying' | attribute} */
 static void parse_qualifiers(struct parser *p, struct declaration *d) {
     for (;; parser_advance(p)) {
-        if (p->token.kind == TOKEN_EXTERN)
+        const int attribute = find_attribute(p);
+        if (attribute >= 0 && attributes[attribute].transform != TRANSFORM_NONE)
+            d->transform = attributes[attribute].transform;
+        else if (attribute >= 0)
+            d->is_unit = true;
+        else if (p->token.kind == TOKEN_EXTERN)
             d->is_extern = true;
         else if (p->token.kind == TOKEN_OUTPUT)
             d->is_output = true;
@@ -127,23 +222,14 @@ static void parse_qualifiers(struct parser *p, struct declaration *d) {
     }
 }
 
-static bool is_qualifier(int kind) {
-    return kind == TOKEN_EXTERN || kind == TOKEN_OUTPUT || kind == TOKEN_UNIFORM ||
-           kind == TOKEN_VARYING;
-}
-
 /* qualifiers type qualifiers */
 static void parse_declaration_type(struct parser *p, struct declaration *d) {
     parse_qualifiers(p, d);
-    if (parser_type(p, p->token.kind, &d->type)) {
-        parser_advance(p);
-    } else {
-        parser_complain(p, &p->token.at, "expected a type");
-    }
+    d->type = parser_take_type(p);
     parse_qualifiers(p, d);
 }
 
-/* '[' [number] ']' ['=' '{' expression {',' expression} '}'] */
+/* '[' [number] ']' ['=' ('{' expression {',' expression} '}' | expression)] */
 static void parse_array(struct parser *p, struct ast_symbol *symbol) {
     parser_expect(p, '[');
     symbol->array_length = -1;
@@ -159,7 +245,11 @@ static void parse_array(struct parser *p, struct ast_symbol *symbol) {
     if (p->token.kind != '=' || p->is_panicking)
         return;
     parser_advance(p);
-    parser_expect(p, '{');
+    if (p->token.kind != '{') { /* a copy of another array, or of a triple */
+        symbol->initial = parse_assignment(p);
+        return;
+    }
+    parser_advance(p);
     struct ast_expression **link = &symbol->elements;
     int count = 0;
     while (!p->is_panicking && p->token.kind != '}') {
@@ -184,6 +274,8 @@ static struct ast_symbol *parse_declarator(struct parser *p, const struct declar
     symbol->storage = d->storage;
     symbol->is_output = d->is_output;
     symbol->name = parse_new_name(p);
+    symbol->transform = d->transform;
+    symbol->is_unit = d->is_unit;
     if (p->token.kind == '[')
         parse_array(p, symbol);
     else if (parser_accept(p, '='))
@@ -200,11 +292,11 @@ static void parse_formals(struct parser *p, struct ast_function *function) {
     while (!p->is_panicking && p->token.kind != ')') {
         if (parser_accept(p, ';') || parser_accept(p, ','))
             continue;
-        struct declaration d = {TYPE_ERROR, STORAGE_UNSAID, false, false};
+        struct declaration d = {.type = TYPE_ERROR};
         parse_declaration_type(p, &d);
         do {
             enum ast_type type;
-            if (parser_type(p, p->token.kind, &type) || is_qualifier(p->token.kind))
+            if (parser_at_type(p, &type) || is_qualifier(p->token.kind) || at_attribute(p))
                 break; /* f(float a, float b) as well as f(float a, b) */
             *link = parse_declarator(p, &d);
             if (function->is_shader)
@@ -258,7 +350,7 @@ static struct ast_function *parse_function(struct parser *p, enum ast_type type,
 /* declaration-type declarator {',' declarator} ';' | type function */
 static struct ast_statement *parse_declaration(struct parser *p) {
     struct ast_statement *group = new_statement(p, STATEMENT_BLOCK), **link = &group->body;
-    struct declaration d = {TYPE_ERROR, STORAGE_UNSAID, false, false};
+    struct declaration d = {.type = TYPE_ERROR};
     parse_declaration_type(p, &d);
     if (!p->is_panicking && parser_is_name(p->token.kind) && p->ahead.kind == '(') {
         group->function = parse_function(p, d.type, false);
@@ -305,7 +397,8 @@ static struct ast_expression *parse_list(struct parser *p) {
 /* Whether a declaration begins here, and not a cast. */
 static bool at_declaration(const struct parser *p) {
     enum ast_type type;
-    if (is_qualifier(p->token.kind))
+    if (is_qualifier(p->token.kind) || at_attribute(p) ||
+        (parser_at_type(p, &type) && type == TYPE_ANY_FIXED))
         return true;
     return parser_type(p, p->token.kind, &type) &&
            (parser_is_name(p->ahead.kind) || is_qualifier(p->ahead.kind));

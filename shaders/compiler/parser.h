@@ -28,6 +28,11 @@ void parser_leave(struct parser *p);
  * a shader. */
 bool parser_is_name(int kind);
 bool parser_type(const struct parser *p, int kind, enum ast_type *type);
+/* The type that begins at the token at hand, which is left where it is; of a fixed-point type only
+ * that it is one. */
+bool parser_at_type(const struct parser *p, enum ast_type *type);
+/* Takes the type, 'fixed' '<' size ',' ['-'] exponent '>' with all that belongs to it. */
+enum ast_type parser_take_type(struct parser *p);
 
 struct ast_expression *parse_expression(struct parser *p);
 struct ast_expression *parse_assignment(struct parser *p);

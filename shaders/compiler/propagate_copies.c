@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 /* A variable that is only ever a copy of something that does not change is replaced by that
  * something: `normal n = N;` costs no pixel memory and no moves. */
@@ -15,24 +15,23 @@ static void number_node(struct ir_node *node, void *context) {
     ir_each_write(node, count_write, node);
 }
 
-/* Whether the variable has one value from its definition to the end of the list that declares it.
- */
-static bool is_settled(const struct ir_variable *variable) {
+bool ir_variable_is_settled(const struct ir_variable *variable) {
     return variable->definition_count == 1 && !variable->array_length &&
            variable->definition->list == variable->home;
 }
 
 static bool copied_from(const struct ir_variable *variable, struct ir_operand *source) {
-    if (!is_settled(variable) || variable->is_declared_uniform || variable->is_forced_varying)
+    if (!ir_variable_is_settled(variable) || variable->is_declared_uniform ||
+        variable->is_forced_varying)
         return false;
     const struct ir_node *node = variable->definition;
-    if (node->operation != IR_MOVE && node->operation != IR_MOVE_BOOL)
+    if (!ir_is_move(node))
         return false;
     *source = node->operands[0];
     if (source->kind != OPERAND_VARIABLE)
         return true;
     const struct ir_variable *from = source->variable;
-    return is_settled(from) && from->definition->order < node->order;
+    return ir_variable_is_settled(from) && from->definition->order < node->order;
 }
 
 static void replace(struct ir_operand *operand) {
@@ -44,20 +43,32 @@ static void replace(struct ir_operand *operand) {
     }
 }
 
-static void replace_in_node(struct ir_node *node, void *context) {
+void ir_propagate_into(struct ir_node *node) {
     if (node->kind != NODE_INSTRUCTION)
         replace(&node->condition);
     for (int i = 0; i < IR_OPERANDS_MAX; i++)
         replace(&node->operands[i]);
 }
 
-void pass_propagate_copies(struct ir_program *ir) {
+void ir_prepare_propagation(struct ir_program *ir) {
     int order = 0;
+    for (size_t i = 0; i < ir->variable_count; i++) {
+        ir->variables[i]->definition_count = 0;
+        ir->variables[i]->definition = NULL;
+    }
     ir_each_node(ir->top, number_node, &order);
     /* results of the shader start at zero and are read from outside: never settled */
     struct ir_variable *results[IR_RESULTS_MAX];
     int count = ir_results(ir, results);
     for (int i = 0; i < count; i++)
         results[i]->definition_count += 2;
-    ir_each_node(ir->top, replace_in_node, NULL);
+}
+
+static void propagate(struct ir_node *node, void *context) {
+    ir_propagate_into(node);
+}
+
+void pass_propagate_copies(struct ir_program *ir) {
+    ir_prepare_propagation(ir);
+    ir_each_node(ir->top, propagate, NULL);
 }

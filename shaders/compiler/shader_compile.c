@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/shader_compile.h"
 
-#include "shaders/compiler/ir.h"
+#include "shaders/compiler/passes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -10,13 +10,13 @@
 enum { WORK_BYTES_MAX = 176 << 20, PROGRAM_BYTES_MAX = 80 << 20 };
 
 int shader_type_components(enum shader_type type) {
-    return type == SHADER_FLOAT || type == SHADER_STRING ? 1 : type == SHADER_MATRIX ? 16 : 3;
+    return type == SHADER_FLOAT || type == SHADER_STRING || type == SHADER_FIXED ? 1 : type == SHADER_MATRIX ? 16 : 3;
 }
 
 const char *shader_type_name(enum shader_type type) {
     static const char *const names[] = {"float",  "color",  "point", "vector",
                                         "normal", "string", "matrix"};
-    return names[type];
+    return type == SHADER_FIXED ? "fixed" : names[type];
 }
 
 const char *shader_kind_name(enum shader_kind kind) {
@@ -85,6 +85,38 @@ static void read_companion(struct compilation *c, const struct shader_source *so
     ++*count;
 }
 
+static const struct pass {
+    const char *name;
+    void (*run)(struct ir_program *ir);
+    bool is_optional, is_storage_known;
+    const char *what;
+} passes[IR_PASS_COUNT] = {
+#define IR_PASS_ENTRY(name, function, optional, storage, what)                                     \
+    {name, function, optional, storage, what},
+    IR_PASSES(IR_PASS_ENTRY)
+#undef IR_PASS_ENTRY
+};
+
+const char *shader_pass_name(int i, const char **what, bool *is_optional) {
+    if (i < 0 || i >= IR_PASS_COUNT)
+        return NULL;
+    *what = passes[i].what;
+    *is_optional = passes[i].is_optional;
+    return passes[i].name;
+}
+
+static void run_pass(struct ir_program *ir, const struct pass *pass, int number) {
+    const struct shader_compile_options *options = ir->c->options;
+    const bool is_left_out = options && pass->is_optional && options->passes_left_out >> number & 1;
+    if (!is_left_out) {
+        pass->run(ir);
+        stop_on_errors(ir->c);
+        ir_validate(ir, pass->name, pass->is_storage_known);
+    }
+    if (options && options->dump && !strcmp(options->dump, pass->name))
+        ir->c->program->dump = ir_dump(ir);
+}
+
 /* The pipeline. */
 static void run_passes(struct compilation *c, const char *file, const char *text, size_t length) {
     const struct shader_compile_options *options = c->options;
@@ -106,20 +138,8 @@ static void run_passes(struct compilation *c, const char *file, const char *text
     struct ir_program *ir = lower_units(c, units, count, main);
     stop_on_errors(c);
     ir_validate(ir, "lowering", false);
-    pass_propagate_copies(ir);
-    ir_validate(ir, "propagating copies", false);
-    pass_merge_moves(ir);
-    ir_validate(ir, "merging moves", false);
-    pass_infer_storage(ir);
-    stop_on_errors(c);
-    ir_validate(ir, "inferring storage", true);
-    pass_dead_code(ir);
-    ir_validate(ir, "removing dead code", true);
-    pass_bind_parameters(ir);
-    pass_hoist(ir);
-    pass_blocks(ir);
-    ir_validate(ir, "counting blocks", true);
-    pass_emit(ir);
+    for (int i = 0; i < IR_PASS_COUNT; i++)
+        run_pass(ir, &passes[i], i);
     finish_program(c, ir);
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/arena.h"
 #include "base/status.h"
+#include "shaders/compiler/fixed_format.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,6 +13,8 @@
 /* The shading language compiler: RSL source in, C source and all that the rest of the cluster needs
  * to know about the shader out. Pure: no files, no processes. */
 
+enum { SHADER_ID_BYTES = 2 }; /* of the shader ID, which every transfer map begins with */
+
 enum shader_type {
     SHADER_FLOAT,
     SHADER_COLOR,
@@ -19,7 +22,16 @@ enum shader_type {
     SHADER_VECTOR,
     SHADER_NORMAL,
     SHADER_STRING,
-    SHADER_MATRIX
+    SHADER_MATRIX,
+    SHADER_FIXED = 32 /* with a format of its own */
+};
+/* How an array of three with a transformation attribute comes into camera space. */
+enum shader_transform {
+    SHADER_TRANSFORM_NONE,
+    SHADER_TRANSFORM_POINT,
+    SHADER_TRANSFORM_VECTOR,
+    SHADER_TRANSFORM_NORMAL,
+    SHADER_TRANSFORM_TEXTURE
 };
 /* In the order of the words of the language. */
 enum shader_kind {
@@ -41,7 +53,10 @@ struct shader_parameter {
     const char *name;
     enum shader_type type;
     int array_length;        /* 0: not an array */
-    int components;          /* floats in all */
+    struct fixed_format format; /* of fixed-point */
+    enum shader_transform transform;
+    int components; /* floats in all: fixed-point values come and are interpolated as floats */
+    int bytes;      /* of pixel memory, and in the transfer map */
     enum shader_kind shader; /* whose parameter it is */
     bool is_output;
     bool is_global;  /* a predefined variable */
@@ -50,8 +65,8 @@ struct shader_parameter {
     bool is_uniform_declared; /* says `uniform` in so many words: cannot become material */
     bool is_live;             /* can reach the result */
     bool is_material; /* in the transfer map: live, varying and per sample in this variant */
-    int map_offset; /* first component in the transfer map (floats after the shader ID), -1 when not
-                       in it */
+    int map_offset;   /* first component among those of the transfer map, -1 when not in it */
+    int map_byte; /* first byte in the transfer map, the shader ID included, -1 when not in it */
     int bound_offset; /* first float among the bound values, -1 when material or dead */
     int line, column;
 };
@@ -72,6 +87,8 @@ struct shader_compile_options {
     int material_count;
     bool
         fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
+    uint32_t passes_left_out; /* bit i: shader_pass_name(i) does not run, if it is optional */
+    const char *dump;         /* the name of a pass whose IR is wanted in shader_program.dump */
     /* The text of a file named by #include, or NULL when there is none; a name in an included file
      * is first asked for next to that file. The bytes stay the callee's and must not change until
      * the compilation ends. NULL: #include is an error. */
@@ -86,11 +103,13 @@ struct shader_program {
     bool is_ambient; /* a light without illuminate or solar */
     struct shader_parameter *parameters;
     int parameter_count;
-    int material_count; /* floats per sample in the transfer map besides the shader ID */
+    int material_count; /* components per sample in the transfer map besides the shader ID */
+    int material_bytes; /* their size on the composition network */
     int bound_count;
     uint32_t spaces; /* bit per enum shader_space whose matrices it needs */
     const char *c_source;
     size_t c_length;
+    const char *dump; /* of the pass that options name; NULL when none */
     /* warnings, each "file:line:column: warning: ..." with the source line and a caret */
     const char **warnings;
     int warning_count;
@@ -104,6 +123,10 @@ bool shader_compile(const char *file, const char *text, size_t length,
                     const struct shader_compile_options *options, struct shader_program **program,
                     struct status *status);
 void shader_program_destroy(struct shader_program *program);
+
+/* The i-th pass of the compiler, NULL after the last; what it does, and whether it may be left out.
+ */
+const char *shader_pass_name(int i, const char **what, bool *is_optional);
 
 /* The identity number of a string at run time (shader_module.h). */
 int32_t shader_string_identity(const char *text);

@@ -30,11 +30,13 @@ static bool is_visible(const struct ir_variable *variable, const struct ir_node 
 
 static void check_operand(struct validation *v, struct ir_node *node,
                           const struct ir_operand *operand, char wanted) {
-    enum ir_type type = wanted == 'b' ? IR_BOOL : wanted == 's' ? IR_STRING : IR_FLOAT;
+    enum ir_type type = ir_letter_type(wanted, node->array);
     if (operand->kind == OPERAND_NONE)
         broken(v, node, "an operand is missing");
     if (ir_operand_type(operand) != type)
         broken(v, node, "an operand has the wrong type");
+    if (type == IR_FIXED && !ir_operand_format(operand).size)
+        broken(v, node, "a fixed-point operand has no format");
     if (operand->kind != OPERAND_VARIABLE)
         return;
     if (operand->variable->array_length)
@@ -68,9 +70,9 @@ static void check_instruction(struct validation *v, struct ir_node *node) {
     for (int i = 0; i < 3; i++) {
         if (!node->results[i])
             continue;
-        enum ir_type type = info->types[0] == 'b'   ? IR_BOOL
-                            : info->types[0] == 's' ? IR_STRING
-                                                    : IR_FLOAT;
+        enum ir_type type = ir_letter_type(info->types[0], node->array);
+        if (type == IR_FIXED && !node->results[i]->format.size)
+            broken(v, node, "a fixed-point result has no format");
         if (info->types[0] == '0' || (i && info->types[0] != '3') ||
             node->results[i]->type != type || node->results[i]->array_length)
             broken(v, node, "a result has the wrong type");

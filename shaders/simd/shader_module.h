@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define SHADER_MODULE_ABI 2
+#define SHADER_MODULE_ABI 3
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
 /* A varying loop that runs longer than this at any sample stops there; the call's overrun flag is
@@ -114,7 +114,8 @@ struct shader_module {
     uint32_t width; /* SHADER_WIDTH it was compiled for */
     const char *name;
     int is_light, is_ambient;
-    int material_count; /* components of the transfer map (floats a sample besides the shader ID) */
+    int material_count; /* components of the transfer map, a float of the planes each */
+    int material_bytes; /* of a sample on the composition network, the shader ID aside */
     int bound_count;    /* floats of bound parameters, strings as one identity number each */
     int uniform_count;  /* floats of the uniform block */
     uint32_t spaces;    /* bit i: needs matrices of enum shader_space i */

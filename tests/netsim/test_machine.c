@@ -56,10 +56,10 @@ static void maps_take_whole_words(void **state) {
     (void)state;
     const struct machine m = pixelflow();
     assert_int_equal(machine_map_words(&m, 0), 1);  /* 2 bytes */
-    assert_int_equal(machine_map_words(&m, 6), 1);  /* 26 */
-    assert_int_equal(machine_map_words(&m, 7), 2);  /* 30 */
-    assert_int_equal(machine_map_words(&m, 34), 5); /* 138 of 140 */
-    assert_int_equal(machine_map_words(&m, 35), 6); /* 142 */
+    assert_int_equal(machine_map_words(&m, 24), 1);  /* 26 */
+    assert_int_equal(machine_map_words(&m, 28), 2);  /* 30 */
+    assert_int_equal(machine_map_words(&m, 136), 5); /* 138 of 140 */
+    assert_int_equal(machine_map_words(&m, 140), 6); /* 142 */
 }
 
 static void values_survive_the_wire_form(void **state) {

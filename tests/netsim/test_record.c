@@ -25,11 +25,11 @@ static void add_instance(struct record_frame *frame, const char *name, uint32_t 
     instance->parameters = memory_get(3, sizeof *instance->parameters);
     instance->parameter_count = 3;
     instance->parameters[0] =
-        (struct record_parameter){memory_copy_string("N"), 3, RECORD_MATERIAL, true};
+        (struct record_parameter){memory_copy_string("N"), 3, 12, RECORD_MATERIAL, true};
     instance->parameters[1] =
-        (struct record_parameter){memory_copy_string(name), own_floats, RECORD_MATERIAL, false};
+        (struct record_parameter){memory_copy_string(name), own_floats, 4 * own_floats, RECORD_MATERIAL, false};
     instance->parameters[2] =
-        (struct record_parameter){memory_copy_string("Kd"), 1, RECORD_BOUND, false};
+        (struct record_parameter){memory_copy_string("Kd"), 1, 4, RECORD_BOUND, false};
 }
 
 static void fill_regions(struct record_frame *frame, struct rng *rng) {
@@ -43,7 +43,7 @@ static void fill_regions(struct record_frame *frame, struct rng *rng) {
         if (!region->entry_count || rng_below(rng, 4) == 0)
             continue;
         region->samples = 1 + (uint32_t)rng_below(rng, 8192);
-        region->map_floats = 3 * (uint64_t)region->samples;
+        region->map_bytes = 12 * (uint64_t)region->samples;
         for (uint32_t w = 0; w < 3; w++) {
             uint64_t operations[SIMD_OPERATION_COUNT] = {0};
             operations[SIMD_FLOAT_ADD] = 1 + rng_below(rng, 200);
@@ -227,11 +227,11 @@ static void maps_change_words_and_bytes_as_arithmetic_says(void **state) {
     struct run_record *record = sample_record(3);
     struct what_if question = what_if_default(record);
     struct what_if_frame base[2], other[2];
-    assert_int_equal(what_if_map_floats(&record->frames[0], 0, &question), 4);
-    assert_int_equal(what_if_map_floats(&record->frames[0], 1, &question), 12);
+    assert_int_equal(what_if_map_bytes(&record->frames[0], 0, &question), 16);
+    assert_int_equal(what_if_map_bytes(&record->frames[0], 1, &question), 48);
     answer(record, &question, base);
     question.maps = WHAT_IF_MAPS_UNION;
-    assert_int_equal(what_if_map_floats(&record->frames[0], 1, &question), 3 + 1 + 9);
+    assert_int_equal(what_if_map_bytes(&record->frames[0], 1, &question), 4 * (3 + 1 + 9));
     answer(record, &question, other);
     uint64_t bytes = 0;
     for (uint32_t k = 0; k < 12; k++)
@@ -244,7 +244,7 @@ static void maps_change_words_and_bytes_as_arithmetic_says(void **state) {
     question.maps = WHAT_IF_MAPS_SPECIFIC;
     question.binds = &(struct what_if_bind){"long", "long"};
     question.bind_count = 1;
-    assert_int_equal(what_if_map_floats(&record->frames[0], 1, &question), 3);
+    assert_int_equal(what_if_map_bytes(&record->frames[0], 1, &question), 12);
     answer(record, &question, other);
     assert_int_equal(other[0].geometry_bytes, base[0].geometry_bytes - 20 * 150 * 4 * 9 + 4 * 9);
     bytes = 0;

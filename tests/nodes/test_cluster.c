@@ -18,7 +18,7 @@
 /* A cluster in this process with its messages tapped. */
 struct tapped {
     uint64_t charged[CAUSE_COUNT]; /* geometry messages, broadcasts once */
-    const struct message *last;    /* of the broadcast at hand */
+    struct message *last; /* of the broadcast at hand; held, so that no other takes its address */
     uint64_t regions_sent, region_bytes, empty_messages;
     uint64_t shader_loads;
 };
@@ -33,7 +33,8 @@ static void tap(void *context, struct node_address from, const struct node_outpu
     if (from.role != NODE_HOST || output->message == tapped->last ||
         header.kind == WIRE_CONFIGURATION)
         return;
-    tapped->last = output->message;
+    message_release(tapped->last);
+    tapped->last = message_hold(output->message);
     tapped->charged[header.cause] += header.charged_bytes[0];
     tapped->charged[CAUSE_CONTROL] += header.charged_bytes[1];
 }
@@ -97,6 +98,8 @@ static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tap
     if (!driver_in_process_run(nodes, count, &driver, &status))
         fail_msg("%s", status.message);
     check(host_node_report(nodes[0]), tapped);
+    message_release(tapped->last);
+    tapped->last = NULL;
     for (size_t i = 0; i < count; i++)
         node_destroy(nodes[i]);
     visibility_device_destroy(device);
