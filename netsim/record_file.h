@@ -7,9 +7,9 @@
 /* The layout of a record file, for record_encode.c and record_decode.c.
  *
  * Head: magic, version, length of the payload before compression, checksum of the compressed
- * payload, checksum of the head; then the payload as a zlib stream. The payload consists of whole numbers (seven bits a
- * byte, least first, high bit: more follow), signed ones folded (0, -1, 1, -2 ...), and strings
- * (length, bytes, zero):
+ * payload, checksum of the head; then the payload as a zlib stream. The payload consists of whole
+ * numbers (seven bits a byte, least first, high bit: more follow), signed ones folded (0, -1, 1, -2
+ * ...), and strings (length, bytes, zero):
  *
  *   scene, seed, fast math; machine: name, count, (parameter, value)...; operations: count, names
  *   frames: count, each

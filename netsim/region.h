@@ -26,7 +26,8 @@ struct region_work {
 struct region_head {
     uint32_t run_count, sample_count;
     uint32_t slots;       /* parameter planes: the longest map among the samples here, in floats */
-    uint32_t longest_map; /* the longest map, in bytes after the shader ID, among the candidates any node offered */
+    uint32_t longest_map; /* the longest map, in bytes after the shader ID, among the candidates any
+                             node offered */
     uint32_t work_count;
     uint32_t nan_depths; /* samples refused because their depth was not a number */
     uint32_t rays;       /* cast for this region by all nodes so far */

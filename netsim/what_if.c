@@ -310,8 +310,8 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
     const struct machine *machine = &question->machine;
     for (uint32_t i = 0; i < frame->instance_count; i++)
         layout->map_bytes[i] = i && (question->maps & WHAT_IF_MAPS_UNION)
-                                    ? layout->map_bytes[0]
-                                    : what_if_map_bytes(frame, i, question);
+                                   ? layout->map_bytes[0]
+                                   : what_if_map_bytes(frame, i, question);
     *result = (struct what_if_frame){.geometry_bytes = geometry_bytes(frame, question)};
     for (uint32_t k = 0; k < frame->region_count; k++) {
         const struct record_region *region = &frame->regions[k];
@@ -320,8 +320,8 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
         timing->shading = 0;
         if (region->samples) {
             timing->words = (uint32_t)machine_map_words(
-                machine, longest_map(frame, region, layout->map_bytes,
-                                     question->maps & WHAT_IF_MAPS_UNION));
+                machine,
+                longest_map(frame, region, layout->map_bytes, question->maps & WHAT_IF_MAPS_UNION));
             timing->shading = shading_of(frame, region, question, price);
             result->regions_covered++;
         }

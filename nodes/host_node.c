@@ -42,7 +42,7 @@ struct host_node {
     uint32_t regions;            /* of a frame */
     struct work_names
         names[HOST_FRAMES_UNDER_WAY]; /* of the frames under way, when work is explained */
-    struct run_recorder *recorder; /* NULL: the run is not recorded */
+    struct run_recorder *recorder;    /* NULL: the run is not recorded */
     struct host_report report;
     size_t frame_capacity, warning_capacity;
 };

@@ -25,7 +25,7 @@ struct host_options {
     uint32_t compression; /* enum image_compression */
     bool fast_math;
     bool explain_work; /* keep a work_record of each frame */
-    bool is_recorded; /* keep what every chunk and region cost, for host_report.record */
+    bool is_recorded;  /* keep what every chunk and region cost, for host_report.record */
 };
 
 /* What the host tells whoever shows things to people; called from within node_step. All may be

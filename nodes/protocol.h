@@ -203,7 +203,7 @@ bool chunk_work_decode(const struct message *message, const struct chunk_work **
 
 struct region_costs {
     uint32_t region, samples; /* covered */
-    uint64_t map_bytes;      /* bytes, sum over the samples of their own maps */
+    uint64_t map_bytes;       /* bytes, sum over the samples of their own maps */
     const struct shading_work *work;
     uint32_t work_count, reserved;
 };

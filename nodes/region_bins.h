@@ -32,7 +32,7 @@ struct region_bins {
 struct binned_triangle {
     const float *v[3]; /* camera space */
     const struct triangle_setup *setup;
-    uint32_t chunk;      /* its number; chunks come one after the other */
+    uint32_t chunk;     /* its number; chunks come one after the other */
     uint32_t map_bytes; /* of its instance */
 };
 

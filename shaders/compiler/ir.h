@@ -231,8 +231,9 @@ static inline bool ir_operation_is_pure(enum ir_operation operation) {
            ir_operations[operation].types[0] != '0';
 }
 
-/* lower.c: the syntax trees as IR, on which the passes of passes.h work. Shaders run one after the other on the same samples. `symbols` are the
- * predefined variables in use, by their number in `globals`. */
+/* lower.c: the syntax trees as IR, on which the passes of passes.h work. Shaders run one after the
+ * other on the same samples. `symbols` are the predefined variables in use, by their number in
+ * `globals`. */
 struct checked_unit {
     struct ast_unit *unit, *prelude;
     struct ast_symbol **symbols;

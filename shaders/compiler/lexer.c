@@ -218,9 +218,9 @@ void lexer_next(struct lexer *lexer, struct token *token) {
                 return;
             }
         lexer->cursor++;
-        if (byte &&
-            strchr(lexer->in_directive ? "+-*/.^!<>=?:;,(){}[]#%&|~\\'@`$" : "+-*/%.^!<>=?:;,(){}[]",
-                   byte)) {
+        if (byte && strchr(lexer->in_directive ? "+-*/.^!<>=?:;,(){}[]#%&|~\\'@`$"
+                                               : "+-*/%.^!<>=?:;,(){}[]",
+                           byte)) {
             token->kind = byte;
             return;
         }

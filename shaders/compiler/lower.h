@@ -131,7 +131,8 @@ struct ir_operand lower_fixed_convert(struct lowering *l, const struct source_lo
 /* A standard function whose arguments are fixed-point. */
 struct ir_operand lower_fixed_call(struct lowering *l, const struct ast_expression *e,
                                    const struct ir_operand *a, int count);
-/* Copies an array of `length` elements, or a triple into an array of three, converting the elements.
+/* Copies an array of `length` elements, or a triple into an array of three, converting the
+ * elements.
  */
 void lower_array_convert(struct lowering *l, const struct source_location *at, enum ast_type type,
                          const struct ir_value *to, int length, enum ast_type from_type,

@@ -139,8 +139,7 @@ void lower_array_convert(struct lowering *l, const struct source_location *at, e
         struct ir_value one = {.count = 1, .part = {from->part[element % 3]}};
         if (!ast_type_is_triple(from_type) || from->array_length)
             one = lower_array_load(l, at, from_type, from, ir_float((float)element));
-        if (ast_type_is_fixed(type) ||
-            (ast_type_is_fixed(from_type) && !ast_type_is_fixed(type)))
+        if (ast_type_is_fixed(type) || (ast_type_is_fixed(from_type) && !ast_type_is_fixed(type)))
             one.part[0] = lower_fixed_convert(l, at, one.part[0], type);
         lower_array_store(l, at, type, to, ir_float((float)element), &one);
     }

@@ -10,7 +10,9 @@
 enum { WORK_BYTES_MAX = 176 << 20, PROGRAM_BYTES_MAX = 80 << 20 };
 
 int shader_type_components(enum shader_type type) {
-    return type == SHADER_FLOAT || type == SHADER_STRING || type == SHADER_FIXED ? 1 : type == SHADER_MATRIX ? 16 : 3;
+    return type == SHADER_FLOAT || type == SHADER_STRING || type == SHADER_FIXED ? 1
+           : type == SHADER_MATRIX                                               ? 16
+                                                                                 : 3;
 }
 
 const char *shader_type_name(enum shader_type type) {

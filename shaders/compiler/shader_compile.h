@@ -52,7 +52,7 @@ const char *shader_type_name(enum shader_type type);
 struct shader_parameter {
     const char *name;
     enum shader_type type;
-    int array_length;        /* 0: not an array */
+    int array_length;           /* 0: not an array */
     struct fixed_format format; /* of fixed-point */
     enum shader_transform transform;
     int components; /* floats in all: fixed-point values come and are interpolated as floats */

@@ -5,8 +5,9 @@
 /* What a compiled shader looks like to the node that runs it. Generated C includes this file, and
  * so do the nodes; SHADER_MODULE_ABI changes whenever anything here does.
  *
- * Samples are processed in vectors of SHADER_WIDTH lanes. Lanes see each other at most within a quad
- * of four, so results do not depend on the width (contract C1). All points, vectors and normals are in camera space
+ * Samples are processed in vectors of SHADER_WIDTH lanes. Lanes see each other at most within a
+ * quad of four, so results do not depend on the width (contract C1). All points, vectors and
+ * normals are in camera space
  * ("current"). */
 
 #include <stddef.h>
@@ -75,11 +76,12 @@ struct shader_call {
     const float *const *material; /* one plane per component of the transfer map, in its order */
     const float *position[3];     /* P, rebuilt from depth */
     const float *incident[3];     /* I: from the eye to P (perspective) or the viewing direction */
-    /* For modules that use neighbours: -1 where a lane is a sample, 0 where it repeats another sample
-     * of its quad to fill it up. Lanes 4q to 4q + 3 are then the samples of a quad, (0, 0), (1, 0),
-     * (0, 1) and (1, 1) from an even column and row of the picture. Others need not set it. */
+    /* For modules that use neighbours: -1 where a lane is a sample, 0 where it repeats another
+     * sample of its quad to fill it up. Lanes 4q to 4q + 3 are then the samples of a quad, (0, 0),
+     * (1, 0), (0, 1) and (1, 1) from an even column and row of the picture. Others need not set it.
+     */
     const int32_t *present;
-    const float *uniform;         /* filled by module->prepare */
+    const float *uniform; /* filled by module->prepare */
     const struct shader_matrices *matrices;
     const struct shader_light *lights;
     int light_count;
