@@ -240,24 +240,51 @@ static int repriced(int operation, enum what_if_math math) {
     return operation;
 }
 
-static void price_operations(const struct what_if *question, ticks price[SIMD_OPERATION_COUNT]) {
+/* What the array is charged under a question. */
+struct prices {
+    ticks operation[SIMD_OPERATION_COUNT];
+    const ticks *loading; /* [instance] newly bound parameters into pixel memory, a region; NULL */
+};
+
+static void price_operations(const struct what_if *question, struct prices *prices) {
     for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
-        price[operation] = question->machine.operation[repriced(operation, question->math)];
+        prices->operation[operation] =
+            question->machine.operation[repriced(operation, question->math)];
+}
+
+/* A bound varying parameter is loaded into the pixels once a region, a move for each float. */
+static ticks *price_loading(const struct record_frame *frame, const struct what_if *question,
+                            const struct prices *prices) {
+    if (!question->bind_count)
+        return NULL;
+    ticks *loading = memory_get(frame->instance_count, sizeof *loading);
+    for (uint32_t i = 0; i < frame->instance_count; i++) {
+        const struct record_instance *instance = &frame->instances[i];
+        for (uint32_t p = 0; p < instance->parameter_count; p++)
+            if (instance->parameters[p].use == RECORD_MATERIAL &&
+                is_bound_now(instance, &instance->parameters[p], question))
+                loading[i] =
+                    ticks_add(loading[i], ticks_multiply(prices->operation[SIMD_FLOAT_MOVE],
+                                                         instance->parameters[p].floats));
+    }
+    return loading;
 }
 
 static ticks shading_of(const struct record_frame *frame, const struct record_region *region,
-                        const struct what_if *question, const ticks *price) {
+                        const struct what_if *question, const struct prices *prices) {
     ticks total = 0;
     for (uint32_t w = 0; w < region->work_count; w++) {
         const struct record_work *work = &frame->works[region->first_work + w];
         if (work->shader == RECORD_SHARED && (question->maps & WHAT_IF_MAPS_POSITION))
             continue;
+        if (prices->loading && work->shader < RECORD_SHARED)
+            total = ticks_add(total, prices->loading[work->shader - 1]);
         for (uint32_t o = 0; o < work->operation_count; o++) {
             const struct record_operation *operation =
                 &frame->operations[work->first_operation + o];
             total = ticks_add(total, operation->count > INT64_MAX
                                          ? TICKS_MAX
-                                         : ticks_multiply(price[operation->operation],
+                                         : ticks_multiply(prices->operation[operation->operation],
                                                           (int64_t)operation->count));
         }
     }
@@ -266,9 +293,13 @@ static ticks shading_of(const struct record_frame *frame, const struct record_re
 
 ticks what_if_shading(const struct record_frame *frame, const struct record_region *region,
                       const struct what_if *question) {
-    ticks price[SIMD_OPERATION_COUNT];
-    price_operations(question, price);
-    return shading_of(frame, region, question, price);
+    struct prices prices = {.loading = NULL};
+    price_operations(question, &prices);
+    ticks *loading = price_loading(frame, question, &prices);
+    prices.loading = loading;
+    const ticks total = shading_of(frame, region, question, &prices);
+    free(loading);
+    return total;
 }
 
 static int64_t longest_map(const struct record_frame *frame, const struct record_region *region,
@@ -304,7 +335,7 @@ static void assign_by_cost(struct what_if_solver *solver, const struct record_fr
 
 /* Fills in what depends on machine, maps and functions. */
 static void price_frame(struct what_if_solver *solver, uint32_t f, const struct what_if *question,
-                        const ticks *price, struct what_if_frame *result) {
+                        const struct prices *base, struct what_if_frame *result) {
     const struct record_frame *frame = &solver->record->frames[f];
     struct frame_layout *layout = &solver->layouts[f];
     const struct machine *machine = &question->machine;
@@ -312,6 +343,9 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
         layout->map_bytes[i] = i && (question->maps & WHAT_IF_MAPS_UNION)
                                    ? layout->map_bytes[0]
                                    : what_if_map_bytes(frame, i, question);
+    struct prices prices = *base;
+    ticks *loading = price_loading(frame, question, base);
+    prices.loading = loading;
     *result = (struct what_if_frame){.geometry_bytes = geometry_bytes(frame, question)};
     for (uint32_t k = 0; k < frame->region_count; k++) {
         const struct record_region *region = &frame->regions[k];
@@ -322,13 +356,14 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
             timing->words = (uint32_t)machine_map_words(
                 machine,
                 longest_map(frame, region, layout->map_bytes, question->maps & WHAT_IF_MAPS_UNION));
-            timing->shading = shading_of(frame, region, question, price);
+            timing->shading = shading_of(frame, region, question, &prices);
             result->regions_covered++;
         }
         result->composition_bytes +=
             (uint64_t)machine->composition_word_bytes *
             (timing->words ? (uint64_t)machine_region_samples(machine) * timing->words : 1);
     }
+    free(loading);
     if (question->assignment == WHAT_IF_BY_COST)
         assign_by_cost(solver, frame, layout, question->shading_nodes);
 }
@@ -377,10 +412,10 @@ bool what_if_solve(struct what_if_solver *solver, const struct what_if *question
                    struct timeline *timeline, struct what_if_result *result,
                    struct status *status) {
     const struct run_record *record = solver->record;
-    ticks price[SIMD_OPERATION_COUNT];
+    struct prices prices = {.loading = NULL};
     if (!check_machine(record, &question->machine, status))
         return false;
-    price_operations(question, price);
+    price_operations(question, &prices);
     distribute(solver, question);
     struct timing_model *model = timing_model_create(
         &question->machine, question->strategy, question->rendering_nodes, question->shading_nodes);
@@ -389,7 +424,7 @@ bool what_if_solve(struct what_if_solver *solver, const struct what_if *question
     bool ok = true;
     for (uint32_t f = 0; ok && f < record->frame_count; f++) {
         struct what_if_frame *frame = &solver->frames[f];
-        price_frame(solver, f, question, price, frame);
+        price_frame(solver, f, question, &prices, frame);
         const struct timing_frame costs = {.geometry_bytes = frame->geometry_bytes,
                                            .regions = solver->layouts[f].regions,
                                            .region_count = record->frames[f].region_count,

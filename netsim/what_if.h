@@ -43,8 +43,9 @@ enum what_if_maps {
     WHAT_IF_MAPS_POSITION = 4, /* the surface position travels and is not rebuilt from depth */
 };
 
-/* A material parameter bound to an instance instead: it leaves the map, and travels once a frame.
- */
+/* A material parameter bound to an instance instead: it leaves the map, travels once a frame, and
+ * is loaded into the pixels a region at a time. What the shader saves when it turns uniform by that
+ * is not counted. */
 struct what_if_bind {
     const char *instance, *parameter;
 };

@@ -15,9 +15,8 @@ static double milliseconds(const struct explanation *explanation, ticks time) {
     return 1e3 * ticks_to_s(explanation->rate, time);
 }
 
-/* "rendering node 3", "composition network"; the kind and node of resource number `resource`. */
-static const char *resource_name(const struct explanation *explanation, uint32_t resource,
-                                 char text[40]) {
+const char *explain_resource_name(const struct explanation *explanation, uint32_t resource,
+                                  char text[40]) {
     const uint32_t r = explanation->rendering_nodes, s = explanation->shading_nodes;
     if (resource == 0)
         return "geometry network";
@@ -112,7 +111,8 @@ void explain_print(FILE *stream, const struct explanation *explanation) {
         if (is_node && number >= NODES_SHOWN_MAX)
             left_out++;
         else
-            print_use(stream, resource_name(explanation, resource, text), &use[resource], window);
+            print_use(stream, explain_resource_name(explanation, resource, text), &use[resource],
+                      window);
     }
     if (left_out)
         fprintf(stream, "    ... and %u more nodes (all are in the JSON)\n", left_out);
@@ -146,7 +146,7 @@ void explain_add_json(cJSON *object, const struct explanation *explanation, uint
     for (uint32_t i = 0; i < count; i++) {
         const struct timeline_use *use = &uses[(size_t)frame * count + i];
         cJSON *resource = cJSON_CreateObject();
-        cJSON_AddStringToObject(resource, "name", resource_name(explanation, i, text));
+        cJSON_AddStringToObject(resource, "name", explain_resource_name(explanation, i, text));
         json_add_whole(resource, "busy_ticks", use->busy);
         cJSON *idle = cJSON_AddObjectToObject(resource, "idle_ticks");
         for (int wait = 0; wait < TIMELINE_WAIT_COUNT; wait++)

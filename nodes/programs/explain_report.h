@@ -15,6 +15,9 @@ struct explanation {
     uint32_t rendering_nodes, shading_nodes;
 };
 
+/* "rendering node 3", "composition network": the name of a resource of the timeline. */
+const char *explain_resource_name(const struct explanation *explanation, uint32_t resource,
+                                  char text[40]);
 /* For people: the last frame. */
 void explain_print(FILE *stream, const struct explanation *explanation);
 /* Adds "critical_path" and "resources" to the JSON of a frame. */

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/programs/host_run.h"
 
+#include "netsim/what_if.h"
 #include "nodes/driver_in_process.h"
 #include "nodes/driver_sockets.h"
 #include "nodes/framebuffer_node.h"
 #include "nodes/local_services.h"
+#include "nodes/programs/explain_report.h"
 #include "nodes/programs/program_process.h"
 #include "nodes/programs/render_report.h"
 #include "nodes/rendering_node.h"
@@ -85,17 +87,48 @@ struct run_view {
     struct pace_report pace;
 };
 
+/* The run solved once more from its record, with reasons; the timeline is the caller's. */
+static struct timeline *solve_again(const struct render_options *options,
+                                    const struct run_record *record, struct status *status) {
+    struct what_if question = what_if_default(record);
+    struct what_if_result result;
+    question.rendering_nodes = options->host.rendering_nodes;
+    question.shading_nodes = options->host.shading_nodes;
+    struct timeline *timeline =
+        timeline_create(&question.machine, question.rendering_nodes, question.shading_nodes);
+    struct what_if_solver *solver = what_if_solver_create(record);
+    const bool ok = what_if_solve(solver, &question, timeline, &result, status);
+    what_if_solver_destroy(solver);
+    if (ok)
+        return timeline;
+    timeline_destroy(timeline);
+    return NULL;
+}
+
 static bool report_results(void *context, const struct host_report *report, struct status *status) {
     const struct run_view *view = context;
     const struct render_options *options = view->options;
     const struct pace_report *pace = &view->pace;
     const double wall_s = render_wall_s(&view->progress);
-    if (options->verbosity >= 0 && !(options->json && options->json[0] == '-' && !options->json[1]))
+    struct explanation explanation = {NULL, options->host.machine.rate,
+                                      options->host.rendering_nodes, options->host.shading_nodes};
+    struct timeline *timeline = NULL;
+    if (options->explain_time && !(timeline = solve_again(options, report->record, status)))
+        return false;
+    explanation.timeline = timeline;
+    if (options->verbosity >= 0 &&
+        !(options->json && options->json[0] == '-' && !options->json[1])) {
         render_summary_print(stdout, options, report, wall_s, pace);
-    if (fflush(stdout) || ferror(stdout))
-        return status_fail(status, STATUS_IO, "cannot write the summary to standard output");
-    return (!options->record || render_record_write(options->record, report->record, status)) &&
-           (!options->json || render_json_write(options, report, wall_s, pace, status));
+        if (timeline)
+            explain_print(stdout, &explanation);
+    }
+    bool ok = (!fflush(stdout) && !ferror(stdout)) ||
+              status_fail(status, STATUS_IO, "cannot write the summary to standard output");
+    ok = ok && (!options->record || render_record_write(options->record, report->record, status)) &&
+         (!options->json ||
+          render_json_write(options, report, wall_s, pace, timeline ? &explanation : NULL, status));
+    timeline_destroy(timeline);
+    return ok;
 }
 
 static int run(struct run_view *view,

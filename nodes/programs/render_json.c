@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add_frame(cJSON *frames, const struct frame_record *f) {
+static void add_frame(cJSON *frames, const struct frame_record *f,
+                      const struct explanation *explanation, uint32_t index) {
     cJSON *frame = cJSON_CreateObject();
     json_add_whole(frame, "frame", f->number);
     json_add_whole(frame, "time_ps", f->time_ps);
@@ -44,6 +45,8 @@ static void add_frame(cJSON *frames, const struct frame_record *f) {
     json_add_whole(frame, "nan_colours", (int64_t)f->nan_colours);
     if (f->work.is_kept)
         cJSON_AddItemToObject(frame, "work", render_work_json(&f->work));
+    if (explanation)
+        explain_add_json(frame, explanation, index);
     if (f->image_path[0])
         cJSON_AddStringToObject(frame, "image", f->image_path);
     else
@@ -85,7 +88,8 @@ static void add_pace(cJSON *document, const struct host_report *report,
 }
 
 static cJSON *make_document(const struct render_options *options, const struct host_report *report,
-                            double wall_s, const struct pace_report *pace) {
+                            double wall_s, const struct pace_report *pace,
+                            const struct explanation *explanation) {
     cJSON *document = cJSON_CreateObject();
     const bool in_process = options->driver == DRIVER_IN_PROCESS;
     cJSON_AddStringToObject(document, "scene", options->host.scene);
@@ -100,7 +104,7 @@ static cJSON *make_document(const struct render_options *options, const struct h
     json_add_whole(document, "ticks_per_s", (int64_t)options->host.machine.rate.per_s);
     cJSON *frames = cJSON_AddArrayToObject(document, "frames");
     for (size_t i = 0; i < report->frame_count; i++)
-        add_frame(frames, &report->frames[i]);
+        add_frame(frames, &report->frames[i], explanation, (uint32_t)i);
     cJSON *instances = cJSON_AddArrayToObject(document, "instances");
     for (size_t i = 0; i < report->instance_count; i++)
         add_instance(instances, &report->instances[i]);
@@ -114,8 +118,9 @@ static cJSON *make_document(const struct render_options *options, const struct h
 }
 
 bool render_json_write(const struct render_options *options, const struct host_report *report,
-                       double wall_s, const struct pace_report *pace, struct status *status) {
-    cJSON *document = make_document(options, report, wall_s, pace);
+                       double wall_s, const struct pace_report *pace,
+                       const struct explanation *explanation, struct status *status) {
+    cJSON *document = make_document(options, report, wall_s, pace, explanation);
     const bool ok = json_write_document(options->json, document, status);
     cJSON_Delete(document);
     return ok;

@@ -25,6 +25,7 @@ enum {
     OPTION_PNG,
     OPTION_JSON,
     OPTION_RECORD,
+    OPTION_EXPLAIN_TIME,
     OPTION_COMPRESSION,
     OPTION_MATH,
     OPTION_SHADERS,
@@ -55,6 +56,7 @@ static const struct option long_options[] = {
     {"png", no_argument, NULL, OPTION_PNG},
     {"json", required_argument, NULL, OPTION_JSON},
     {"record", required_argument, NULL, OPTION_RECORD},
+    {"explain-time", no_argument, NULL, OPTION_EXPLAIN_TIME},
     {"compression", required_argument, NULL, OPTION_COMPRESSION},
     {"math", required_argument, NULL, OPTION_MATH},
     {"explain-work", no_argument, NULL, OPTION_EXPLAIN_WORK},
@@ -128,6 +130,8 @@ static void print_help(bool is_host_program) {
          "      --json FILE            write the summary as JSON; - for standard output\n"
          "      --explain-work         say what was done for each frame, for whom, and what was "
          "skipped and why\n"
+         "      --explain-time         where simulated time went: critical path, and what every "
+         "node waited for\n"
          "      --record FILE          keep what every chunk and region cost, for predict, budget "
          "and trace\n"
          "  -v, --verbose              say what each node does\n"
@@ -289,6 +293,10 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         return true;
     case OPTION_JSON:
         o->json = text;
+        return true;
+    case OPTION_EXPLAIN_TIME:
+        o->explain_time = true;
+        o->host.is_recorded = true;
         return true;
     case OPTION_RECORD:
         o->record = text;

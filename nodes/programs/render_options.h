@@ -17,6 +17,7 @@ struct render_options {
     const char *json;       /* file, "-" for standard output, NULL: none */
     double pace;            /* 0: as fast as this machine can */
     const char *record;     /* file for the record of the run, NULL: none */
+    bool explain_time;
     int deadline_s;
     int verbosity;     /* -1 quiet, 0, 1 verbose */
     const char *bind;  /* sortlast-host: where to listen */

@@ -2,6 +2,7 @@
 #ifndef RENDER_REPORT_H
 #define RENDER_REPORT_H
 
+#include "nodes/programs/explain_report.h"
 #include "nodes/programs/render_options.h"
 
 #include <stdio.h>
@@ -43,9 +44,10 @@ void render_work_print(FILE *stream, const struct frame_record *record);
 /* How many different shaders ran: those, and only those, are loaded. */
 uint32_t render_modules_loaded(const struct work_record *work);
 struct cJSON *render_work_json(const struct work_record *work);
-/* Writes options->json; the file appears whole. */
+/* Writes options->json; the file appears whole. `explanation` of the times, or NULL. */
 bool render_json_write(const struct render_options *options, const struct host_report *report,
-                       double wall_s, const struct pace_report *pace, struct status *status);
+                       double wall_s, const struct pace_report *pace,
+                       const struct explanation *explanation, struct status *status);
 /* Writes the record of a run; the file appears whole. */
 bool render_record_write(const char *path, const struct run_record *record, struct status *status);
 
