@@ -270,25 +270,42 @@ static ticks *price_loading(const struct record_frame *frame, const struct what_
     return loading;
 }
 
+static ticks work_of(const struct record_frame *frame, const struct record_work *work,
+                     const struct prices *prices) {
+    ticks total =
+        prices->loading && work->shader < RECORD_SHARED ? prices->loading[work->shader - 1] : 0;
+    for (uint32_t o = 0; o < work->operation_count; o++) {
+        const struct record_operation *operation = &frame->operations[work->first_operation + o];
+        total = ticks_add(total, operation->count > INT64_MAX
+                                     ? TICKS_MAX
+                                     : ticks_multiply(prices->operation[operation->operation],
+                                                      (int64_t)operation->count));
+    }
+    return total;
+}
+
 static ticks shading_of(const struct record_frame *frame, const struct record_region *region,
                         const struct what_if *question, const struct prices *prices) {
     ticks total = 0;
     for (uint32_t w = 0; w < region->work_count; w++) {
         const struct record_work *work = &frame->works[region->first_work + w];
-        if (work->shader == RECORD_SHARED && (question->maps & WHAT_IF_MAPS_POSITION))
-            continue;
-        if (prices->loading && work->shader < RECORD_SHARED)
-            total = ticks_add(total, prices->loading[work->shader - 1]);
-        for (uint32_t o = 0; o < work->operation_count; o++) {
-            const struct record_operation *operation =
-                &frame->operations[work->first_operation + o];
-            total = ticks_add(total, operation->count > INT64_MAX
-                                         ? TICKS_MAX
-                                         : ticks_multiply(prices->operation[operation->operation],
-                                                          (int64_t)operation->count));
-        }
+        if (work->shader != RECORD_SHARED || !(question->maps & WHAT_IF_MAPS_POSITION))
+            total = ticks_add(total, work_of(frame, work, prices));
     }
     return total;
+}
+
+ticks what_if_longest_shading(const struct record_frame *frame, uint32_t instance,
+                              const struct what_if *question) {
+    struct prices prices = {.loading = NULL};
+    price_operations(question, &prices);
+    ticks *loading = price_loading(frame, question, &prices), longest = 0;
+    prices.loading = loading;
+    for (uint32_t w = 0; w < frame->work_count; w++)
+        if (frame->works[w].shader == instance + 1)
+            longest = ticks_max(longest, work_of(frame, &frame->works[w], &prices));
+    free(loading);
+    return longest;
 }
 
 ticks what_if_shading(const struct record_frame *frame, const struct record_region *region,

@@ -94,6 +94,10 @@ bool what_if_solve(struct what_if_solver *solver, const struct what_if *question
  * ID aside. */
 uint32_t what_if_map_bytes(const struct record_frame *frame, uint32_t instance,
                            const struct what_if *question);
+/* Shading of one instance (from 0) in the region where it takes longest, without lights and
+ * position. */
+ticks what_if_longest_shading(const struct record_frame *frame, uint32_t instance,
+                              const struct what_if *question);
 /* Shading of one region, all shaders present. */
 ticks what_if_shading(const struct record_frame *frame, const struct record_region *region,
                       const struct what_if *question);

@@ -134,6 +134,13 @@ static int64_t map_words(const struct analysis *analysis, uint32_t instance) {
         what_if_map_bytes(&analysis->record->frames[0], instance, &analysis->question));
 }
 
+/* Shading time of an instance where it works most. */
+static int64_t longest_ps(const struct analysis *analysis, uint32_t instance) {
+    return ticks_to_ps(
+        analysis->question.machine.rate,
+        what_if_longest_shading(&analysis->record->frames[0], instance, &analysis->question));
+}
+
 static void print_budget(const struct analysis *analysis) {
     const struct budget *budget = &analysis->budget;
     const struct record_frame *frame = &analysis->record->frames[0];
@@ -181,7 +188,7 @@ static void print_chart(const struct analysis *analysis) {
             if (frame->instances[i].parameters[p].use == RECORD_MATERIAL)
                 printf(" %s:%u", frame->instances[i].parameters[p].name,
                        frame->instances[i].parameters[p].bytes);
-        putchar('\n');
+        printf("; longest region %.3f ms\n", (double)longest_ps(analysis, i) * 1e-9);
     }
     if (frame->instance_count > SHOWN_MAX)
         printf("  ... and %u more (all are in the JSON)\n", frame->instance_count - SHOWN_MAX);
@@ -221,6 +228,7 @@ static void add_instances(cJSON *document, const struct analysis *analysis) {
         json_add_whole(item, "map_bytes", map_bytes(analysis, i));
         json_add_whole(item, "words", map_words(analysis, i));
         cJSON_AddBoolToObject(item, "meets", map_words(analysis, i) <= analysis->budget.words);
+        json_add_whole(item, "longest_region_ps", longest_ps(analysis, i));
         json_add_whole(item, "bound_bytes", (int64_t)instance->bound_bytes);
         cJSON *parameters = cJSON_AddArrayToObject(item, "parameters");
         for (uint32_t p = 0; p < instance->parameter_count; p++) {

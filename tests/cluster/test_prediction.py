@@ -6,7 +6,7 @@ import json
 import os
 import xml.dom.minidom
 
-from harness import SCENES, Folder, main
+from harness import SCENES, SOURCE, Folder, main
 
 BOWLING = os.path.join(SCENES, "bowling", "bowling.rib")
 SOLID = os.path.join(SCENES, "solid", "solid.rib")
@@ -174,6 +174,18 @@ def test_sensitivity_says_what_has_no_effect():
         assert "not_tried" in effects["region_width"]
         code, out, err = folder.run("predict", folder.file("run.rec"), "--sensitivity")
         assert "no effect here:" in out and "texture_memory_bytes" in out.split("no effect here:")[1]
+
+
+def test_every_machine_parameter_is_explained():
+    """Unit, value and source stand in the table of `machine show`; where it enters and what it does, in docs/timing.md."""
+    with Folder() as folder, open(os.path.join(SOURCE, "docs", "timing.md")) as page:
+        explained = page.read()
+        code, out, err = folder.run("machine", "show")
+        rows = [line.split() for line in out.splitlines()[3:] if line.strip()]
+        assert len(rows) > 40 and all(row[1].isdigit() and row[2] for row in rows)
+        prices = [row[0] for row in rows].index("float_add_ps")
+        missing = [row[0] for row in rows[:prices] if "`%s`" % row[0] not in explained]
+        assert not missing, missing
 
 
 def test_the_budget_has_the_arithmetic_of_the_paper():

@@ -200,8 +200,49 @@ static void finer_ticks_give_the_same_times(void **state) {
     free(c);
 }
 
+/* docs/timing.md, "A worked example": times by hand, in clocks of 5 ns. */
+static void the_worked_example_comes_out_as_by_hand(void **state) {
+    (void)state;
+    struct machine machine;
+    assert_true(machine_read_file(MACHINES "/pixelflow.json", &machine, NULL));
+    const struct timing_work triangle = {0, 1};
+    const struct timing_region region = {1, 20000, &triangle, 1}, both[2] = {region, region};
+    const struct timing_frame frame = {4000, both, 2, NULL};
+    struct timing_model *model = timing_model_create(&machine, &strategy_chain, 1, 1);
+    struct timeline *timeline = timeline_create(&machine, 1, 1);
+    struct timing_result result;
+    timing_model_record(model, timeline);
+    assert_true(timing_model_add_frame(model, &frame, &result, NULL));
+    size_t count;
+    const struct timeline_activity *all = timeline_activities(timeline, &count);
+    static const struct {
+        enum timeline_kind kind;
+        double begin_us, end_us;
+    } by_hand[] = {{TIMELINE_GEOMETRY, 0, 5},
+                   {TIMELINE_RASTER, 5, 5.715},
+                   {TIMELINE_TRANSFER, 5.715, 46.675},
+                   {TIMELINE_SHADING, 46.695, 146.695},
+                   {TIMELINE_COLOURS, 146.715, 187.675},
+                   {TIMELINE_RASTER, 5.715, 6.43},
+                   {TIMELINE_TRANSFER, 46.675, 87.635},
+                   {TIMELINE_SHADING, 146.695, 246.695},
+                   {TIMELINE_COLOURS, 246.715, 287.675}};
+    assert_int_equal(count, sizeof by_hand / sizeof *by_hand);
+    for (size_t i = 0; i < count; i++) {
+        assert_int_equal(all[i].kind, by_hand[i].kind);
+        assert_int_equal(all[i].begin, (ticks)(by_hand[i].begin_us * 200 + 0.5));
+        assert_int_equal(all[i].end, (ticks)(by_hand[i].end_us * 200 + 0.5));
+    }
+    assert_int_equal(result.end, 57535);
+    assert_int_equal(result.composition_busy, 16384);
+    assert_int_equal(result.bound_by, TIMING_SHADING);
+    timeline_destroy(timeline);
+    timing_model_destroy(model);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_worked_example_comes_out_as_by_hand),
         cmocka_unit_test(the_solver_agrees_to_the_tick_with_a_simulation_event_by_event),
         cmocka_unit_test(reasons_and_critical_paths_add_up_to_the_frame_time),
         cmocka_unit_test(less_of_anything_never_takes_longer),
