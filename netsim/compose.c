@@ -132,6 +132,17 @@ static void compose_shader_plane(const struct plan *plan, const uint32_t *mask, 
     }
 }
 
+/* Both lists ascend by node. */
+static void merge_work(struct region_draft *draft, const struct region_view *a,
+                       const struct region_view *b) {
+    uint32_t i = 0, j = 0;
+    for (uint32_t w = 0; w < draft->head.work_count; w++) {
+        const bool from_a = j == b->head.work_count ||
+                            (i < a->head.work_count && a->work[i].node < b->work[j].node);
+        draft->work[w] = from_a ? a->work[i++] : b->work[j++];
+    }
+}
+
 struct message *region_compose(const struct region_view *a, const struct region_view *b,
                                uint32_t frame, uint32_t region, uint32_t sender) {
     struct plan plan = plan_runs(a, b);
@@ -148,8 +159,7 @@ struct message *region_compose(const struct region_view *a, const struct region_
         .rays = a->head.rays + b->head.rays,
         .composed = a->head.composed + b->head.composed + plan.sample_count,
     });
-    memcpy(draft.work, a->work, a->head.work_count * sizeof *a->work);
-    memcpy(draft.work + a->head.work_count, b->work, b->head.work_count * sizeof *b->work);
+    merge_work(&draft, a, b);
     memcpy(draft.runs, plan.runs, plan.run_count * sizeof *plan.runs);
 
     uint32_t *mask = calloc((size_t)plan.sample_count + 1, 4);

@@ -72,9 +72,14 @@ struct region_draft region_draft_create(struct region_head head);
 struct message *region_seal(struct region_draft *draft, uint32_t frame, uint32_t region,
                             uint32_t sender);
 
+/* A message with the samples [first, end) of a region alone. Raster work and refused samples ride
+ * along with one part of the region only: `with_work`. */
+struct message *region_extract(const struct region_view *view, uint32_t first, uint32_t end,
+                               bool with_work, uint32_t frame, uint32_t region, uint32_t sender);
+
 /* Image composition (PF section 5.1): for each sample the nearer of the two; at equal depth the
- * lower primitive number (contract C1). Work entries are joined, the longest map is the longer one.
- * Order of the arguments does not matter, and composition is associative. */
+ * lower primitive number (contract C1). Work entries are joined by ascending node, the longest map
+ * is the longer one. Order of the arguments does not matter, and composition is associative. */
 struct message *region_compose(const struct region_view *a, const struct region_view *b,
                                uint32_t frame, uint32_t region, uint32_t sender);
 

@@ -3,6 +3,7 @@
 #define STRATEGY_H
 
 #include "netsim/machine.h"
+#include "netsim/schedule.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -61,10 +62,13 @@ struct strategy {
      * less work, room or readiness lead to later times. */
     void (*compose)(void *state, const struct strategy_region *region,
                     struct strategy_times *times);
+    /* Who sends what to whom, on a switched network, where every node is one hop from every other;
+     * NULL for the chain, where neighbours are. */
+    schedule_plan *plan;
 };
 
 /* Every strategy; the first is the default. X(name of its structure after strategy_) */
-#define STRATEGIES(X) X(chain)
+#define STRATEGIES(X) X(chain) X(direct_send) X(binary_swap) X(radix_k) X(tree)
 
 #define STRATEGY_DECLARE(name) extern const struct strategy strategy_##name;
 STRATEGIES(STRATEGY_DECLARE)

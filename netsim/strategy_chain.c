@@ -68,5 +68,6 @@ static void chain_compose(void *state, const struct strategy_region *region,
 }
 
 const struct strategy strategy_chain = {
-    "chain", "PixelFlow's: all nodes in a row, each passes on the nearer of two samples",
-    chain_create, free, chain_compose};
+    "chain",       "PixelFlow's: all nodes in a row, each passes on the nearer of two samples",
+    chain_create,  free,
+    chain_compose, NULL};

@@ -171,7 +171,9 @@ static void add_region(struct timing_model *model, const struct timing_frame *fr
     model->strategy->compose(model->links, &composed, &times);
     hold_raster_buffers(model, region);
     result->composition_busy = ticks_add(result->composition_busy, times.busy);
-    const ticks way = ticks_multiply(machine->composition_hop, (int64_t)model->shading_nodes - j);
+    const ticks way = model->strategy->plan ? machine->composition_hop
+                                            : ticks_multiply(machine->composition_hop,
+                                                             (int64_t)model->shading_nodes - j);
     if (is_token) { /* runs on to the framebuffer */
         happened.end = ticks_add(times.arrival, way);
     } else {

@@ -194,6 +194,10 @@ static bool follow_pacer(struct socket_driver *driver, bool *any, struct status 
     return ok;
 }
 
+static bool takes_regions(const struct socket_driver *driver) {
+    return driver->input && (!driver->blocked || driver->node->takes_always);
+}
+
 static bool may_work(const struct socket_driver *driver) {
     return driver->node->has_work && !driver->blocked &&
            !(driver->pacer && pacer_is_full(driver->pacer));
@@ -464,7 +468,7 @@ static void wait_for_events(struct socket_driver *driver) {
     int count = 0;
     items[count++] = (zmq_pollitem_t){.socket = driver->control, .events = ZMQ_POLLIN};
     items[count++] = (zmq_pollitem_t){.socket = driver->monitor, .events = ZMQ_POLLIN};
-    if (driver->input && !driver->blocked)
+    if (takes_regions(driver))
         items[count++] = (zmq_pollitem_t){.socket = driver->input, .events = ZMQ_POLLIN};
     for (size_t i = 0; driver->blocked && i < driver->peer_count; i++)
         if (driver->peers[i].queue_count && driver->peers[i].push)
@@ -491,7 +495,7 @@ static bool loop(struct socket_driver *driver, struct status *status) {
             !drain(driver, driver->control, socket_is_host(driver), 64, &any, status))
             return false;
         const bool works = may_work(driver);
-        if (driver->input && !driver->blocked && !works &&
+        if (takes_regions(driver) && !works &&
             !drain(driver, driver->input, false, 1, &any, status))
             return false;
         if (works && may_work(driver) && !driver->node->is_finished) {

@@ -354,7 +354,7 @@ static bool configure(struct framebuffer_node *self, const struct node_event *ev
         return false;
     self->is_configured = true;
     self->timing =
-        timing_model_create(&self->configuration.machine, strategy_at(0),
+        timing_model_create(&self->configuration.machine, self->configuration.strategy,
                             self->configuration.rendering_nodes, self->configuration.shading_nodes);
     return true;
 }

@@ -15,6 +15,7 @@ struct host_options {
     struct scene_options reading;
     uint32_t rendering_nodes, shading_nodes;
     struct machine machine;
+    const struct strategy *strategy; /* of composition; NULL: the chain */
     const char *const *shader_folders;
     int shader_folder_count;
     int frames; /* 0: as many as the scene has; more than that repeat the last */

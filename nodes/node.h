@@ -82,9 +82,11 @@ struct node_type {
 struct node {
     const struct node_type *type;
     struct node_address address;
-    bool has_work;    /* wants NODE_WORK events */
-    bool is_finished; /* has nothing more to do; its driver may end */
-    bool is_closing;  /* host: all others but the framebuffer node, which says goodbye, may leave */
+    bool has_work;     /* wants NODE_WORK events */
+    bool takes_always; /* others may wait for it while it waits for them: its driver gives it
+                          messages even while its own cannot be sent */
+    bool is_finished;  /* has nothing more to do; its driver may end */
+    bool is_closing; /* host: all others but the framebuffer node, which says goodbye, may leave */
     uint32_t frame, region; /* what it works on, for people */
     struct trace *trace;
 };

@@ -21,6 +21,7 @@ struct message *configuration_encode(const struct configuration *configuration) 
     machine_to_values(&configuration->machine, values);
     wire_put_u32(&writer, configuration->rendering_nodes);
     wire_put_u32(&writer, configuration->shading_nodes);
+    wire_put_string(&writer, configuration->strategy->name);
     wire_put_u32(&writer, configuration->is_recorded);
     wire_put_string(&writer, configuration->machine.name);
     for (int i = 0; i < MACHINE_VALUE_COUNT; i++)
@@ -34,6 +35,7 @@ bool configuration_decode(const struct message *message, struct configuration *c
     int64_t values[MACHINE_VALUE_COUNT];
     configuration->rendering_nodes = wire_get_u32(&reader);
     configuration->shading_nodes = wire_get_u32(&reader);
+    configuration->strategy = strategy_find(wire_get_string(&reader));
     configuration->is_recorded = wire_get_u32(&reader);
     const char *name = wire_get_string(&reader);
     for (int i = 0; i < MACHINE_VALUE_COUNT; i++)
@@ -43,6 +45,8 @@ bool configuration_decode(const struct message *message, struct configuration *c
     if (!configuration->rendering_nodes || !configuration->shading_nodes ||
         configuration->rendering_nodes > 65536 || configuration->shading_nodes > 65536)
         return status_fail(status, STATUS_INVALID, "damaged configuration message: node counts");
+    if (!configuration->strategy)
+        return status_fail(status, STATUS_INVALID, "damaged configuration message: composition");
     return machine_from_values(name, values, &configuration->machine, status);
 }
 

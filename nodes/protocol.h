@@ -18,6 +18,7 @@
 /* CONFIGURATION: what every node must know before the first frame. */
 struct configuration {
     uint32_t rendering_nodes, shading_nodes;
+    const struct strategy *strategy; /* of composition */
     uint32_t is_recorded; /* nodes tell the host what each chunk and region cost */
     struct machine machine;
 };

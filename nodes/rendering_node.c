@@ -2,6 +2,7 @@
 #include "nodes/rendering_node.h"
 
 #include "base/hash.h"
+#include "nodes/region_exchange.h"
 #include "nodes/visibility.h"
 
 #include <stdio.h>
@@ -38,7 +39,10 @@ struct rendering_node {
     struct frame_slot frames[RENDERING_FRAMES];
     struct visibility *visibility; /* of the frame being composed */
     uint64_t visibility_content;
-    struct frame_slot kept; /* the chunks `visibility` points into, when its frame is over */
+    struct frame_slot kept;    /* the chunks `visibility` points into, when its frame is over */
+    struct schedule *schedule; /* of a switched network; NULL: the chain */
+    struct region_exchange *exchange; /* with the other nodes of that network */
+    struct early_messages early;      /* before the configuration */
     struct pending *queue;
     size_t queue_first, queue_count, queue_capacity;
 };
@@ -69,6 +73,7 @@ static void queue_push(struct rendering_node *self, struct pending pending) {
 
 static void update_has_work(struct rendering_node *self) {
     self->node.has_work = self->queue_count &&
+                          (!self->exchange || region_exchange_has_room(self->exchange)) &&
                           slot_of(self, self->queue[self->queue_first].frame)->is_complete &&
                           slot_of(self, self->queue[self->queue_first].frame)->index ==
                               self->queue[self->queue_first].frame;
@@ -129,13 +134,22 @@ static bool end_frame(struct rendering_node *self, const struct node_event *even
                            event->header.frame);
     slot->is_complete = true;
     trace_line(self->node.trace, "frame %u received: %zu chunks", slot->index, slot->message_count);
-    if (self->node.address.index == 0)
+    if (self->node.address.index == 0 || self->exchange)
         queue_push(self, (struct pending){NULL, slot->index, 0, slot->grid.count});
     return true;
 }
 
 static bool accept_upstream(struct rendering_node *self, const struct node_event *event,
-                            struct status *status) {
+                            struct node_outputs *outputs, struct status *status) {
+    if (!self->is_configured) {
+        early_messages_add(&self->early, event);
+        return true;
+    }
+    if (self->exchange)
+        return event->header.kind == WIRE_REGION
+                   ? region_exchange_receive(self->exchange, event, outputs, status)
+                   : status_fail(status, STATUS_INVALID,
+                                 "empty regions were sent outside the chain");
     struct pending pending = {
         .frame = event->header.frame, .region = event->header.region, .count = 1};
     if (event->header.kind == WIRE_EMPTY_REGIONS) {
@@ -242,6 +256,24 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
     return true;
 }
 
+/* On a switched network: the next region, from what this node alone has of it. */
+static bool begin_exchange(struct rendering_node *self, struct pending *head, bool has_own,
+                           struct node_outputs *outputs, struct status *status) {
+    const uint32_t region = head->region;
+    struct region_draft nothing;
+    struct message *own;
+    self->node.region = region;
+    head->region++;
+    head->count--;
+    if (has_own) {
+        own = visibility_render(self->visibility, head->frame, region, self->node.address);
+    } else {
+        nothing = region_draft_create((struct region_head){0});
+        own = region_seal(&nothing, head->frame, region, node_address_pack(self->node.address));
+    }
+    return region_exchange_begin(self->exchange, head->frame, region, own, outputs, status);
+}
+
 /* Takes the queue's head as far as the next region that carries anything. */
 static bool advance(struct rendering_node *self, struct node_outputs *outputs,
                     struct status *status) {
@@ -257,7 +289,11 @@ static bool advance(struct rendering_node *self, struct node_outputs *outputs,
     const uint32_t frame = head->frame, end = head->region + head->count;
     uint32_t region = head->region;
     self->node.frame = frame;
-    if (!head->message) {
+    if (self->exchange) {
+        if (!begin_exchange(self, head, bins->bins[region], outputs, status))
+            return false;
+        region = end; /* no further by the chain */
+    } else if (!head->message) {
         while (region < end && !bins->bins[region])
             region++;
         if (region > head->region)
@@ -283,14 +319,39 @@ static bool advance(struct rendering_node *self, struct node_outputs *outputs,
     return true;
 }
 
+static void join_network(struct rendering_node *self) {
+    const struct configuration *configuration = &self->configuration;
+    self->schedule = schedule_create(configuration->strategy->plan, configuration->rendering_nodes,
+                                     (uint32_t)machine_region_samples(&configuration->machine));
+    self->exchange = region_exchange_create(self->schedule, self->node.address.index,
+                                            configuration->shading_nodes);
+    self->node.takes_always = true;
+}
+
+static bool configure(struct rendering_node *self, const struct node_event *event,
+                      struct node_outputs *outputs, struct status *status) {
+    if (self->is_configured)
+        return status_fail(status, STATUS_INVALID, "configured twice");
+    if (!configuration_decode(event->message, &self->configuration, status))
+        return false;
+    if (self->node.address.index >= self->configuration.rendering_nodes)
+        return status_fail(status, STATUS_INVALID, "the cluster has %u rendering nodes",
+                           self->configuration.rendering_nodes);
+    self->is_configured = true;
+    if (self->configuration.strategy->plan)
+        join_network(self);
+    bool ok = true;
+    for (size_t i = 0; ok && i < self->early.count; i++)
+        ok = accept_upstream(self, &self->early.events[i], outputs, status);
+    early_messages_finish(&self->early);
+    return ok;
+}
+
 static bool handle_message(struct rendering_node *self, const struct node_event *event,
-                           struct status *status) {
+                           struct node_outputs *outputs, struct status *status) {
     switch (event->header.kind) {
     case WIRE_CONFIGURATION:
-        if (self->is_configured)
-            return status_fail(status, STATUS_INVALID, "configured twice");
-        self->is_configured = configuration_decode(event->message, &self->configuration, status);
-        return self->is_configured;
+        return configure(self, event, outputs, status);
     case WIRE_FRAME_BEGIN:
         return begin_frame(self, event, status);
     case WIRE_CHUNK:
@@ -299,7 +360,7 @@ static bool handle_message(struct rendering_node *self, const struct node_event 
         return end_frame(self, event, status);
     case WIRE_REGION:
     case WIRE_EMPTY_REGIONS:
-        return accept_upstream(self, event, status);
+        return accept_upstream(self, event, outputs, status);
     case WIRE_QUIT:
         self->node.is_finished = true;
         return true;
@@ -314,7 +375,7 @@ static bool rendering_node_step(struct node *node, const struct node_event *even
     struct rendering_node *self = (struct rendering_node *)node;
     bool ok = true;
     if (event->kind == NODE_MESSAGE)
-        ok = handle_message(self, event, status);
+        ok = handle_message(self, event, outputs, status);
     else if (event->kind == NODE_WORK && node->has_work)
         ok = advance(self, outputs, status);
     update_has_work(self);
@@ -323,6 +384,7 @@ static bool rendering_node_step(struct node *node, const struct node_event *even
 
 static void rendering_node_describe(const struct node *node, char *text, size_t size) {
     const struct rendering_node *self = (const struct rendering_node *)node;
+    uint32_t frame, region, from;
     if (!self->is_configured)
         snprintf(text, size, "waits for the host's configuration");
     else if (node->has_work)
@@ -330,6 +392,9 @@ static void rendering_node_describe(const struct node *node, char *text, size_t 
     else if (self->queue_count)
         snprintf(text, size, "waits for the host to end frame %u",
                  self->queue[self->queue_first].frame);
+    else if (self->exchange && region_exchange_waits_for(self->exchange, &frame, &region, &from))
+        snprintf(text, size, "waits for its part of frame %u, region %u from rendering node %u",
+                 frame, region, from);
     else if (node->address.index && (self->frames[0].is_complete || self->frames[1].is_complete))
         snprintf(text, size, "waits for regions after region %u of frame %u from rendering node %u",
                  node->region, node->frame, node->address.index - 1);
@@ -346,6 +411,9 @@ static void rendering_node_destroy(struct node *node) {
     for (size_t i = 0; i < self->queue_count; i++)
         message_release(self->queue[self->queue_first + i].message);
     free(self->queue);
+    early_messages_finish(&self->early);
+    region_exchange_destroy(self->exchange);
+    schedule_destroy(self->schedule);
     free(self);
 }
 

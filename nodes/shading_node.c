@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/shading_node.h"
 
+#include "nodes/region_exchange.h"
 #include "nodes/shading_frame.h"
 
 #include <math.h>
@@ -40,6 +41,9 @@ struct shading_node {
         struct wire_header header;
     } * queue;
     size_t queue_first, queue_count, queue_capacity;
+    uint32_t expected_parts; /* of a region, from as many rendering nodes */
+    struct region_gather gather;
+    struct early_messages early; /* before the configuration */
     struct batch batch;
     /* scratch for one region */
     uint32_t *order;    /* covered samples, sorted by instance */
@@ -428,14 +432,60 @@ static void queue_push(struct shading_node *self, const struct node_event *event
         (struct pending_region){message_hold(event->message), event->header};
 }
 
+/* From the chain a region comes whole and never empty; otherwise it is put together here. */
+static bool accept_region(struct shading_node *self, const struct node_event *event,
+                          struct node_outputs *outputs, struct status *status) {
+    struct node_event whole = *event;
+    if (!self->is_configured) {
+        early_messages_add(&self->early, event);
+        return true;
+    }
+    if (!self->configuration.strategy->plan) {
+        queue_push(self, event);
+        return true;
+    }
+    if (!region_gather_add(&self->gather, event, self->expected_parts,
+                           (uint32_t)machine_region_samples(&self->configuration.machine),
+                           node_address_pack(self->node.address), &whole.message, status))
+        return false;
+    if (!whole.message)
+        return true;
+    if (region_sample_count(whole.message->bytes, whole.message->length)) {
+        queue_push(self, &whole);
+        message_release(whole.message);
+    } else { /* nothing to shade */
+        node_send(outputs, (struct node_address){NODE_FRAMEBUFFER, 0}, whole.message);
+    }
+    return true;
+}
+
+static bool configure(struct shading_node *self, const struct node_event *event,
+                      struct node_outputs *outputs, struct status *status) {
+    struct configuration *configuration = &self->configuration;
+    if (self->is_configured)
+        return status_fail(status, STATUS_INVALID, "configured twice");
+    if (!configuration_decode(event->message, configuration, status))
+        return false;
+    self->is_configured = true;
+    if (configuration->strategy->plan) {
+        struct schedule *schedule =
+            schedule_create(configuration->strategy->plan, configuration->rendering_nodes,
+                            (uint32_t)machine_region_samples(&configuration->machine));
+        self->expected_parts = schedule->final_count;
+        schedule_destroy(schedule);
+    }
+    bool ok = true;
+    for (size_t i = 0; ok && i < self->early.count; i++)
+        ok = accept_region(self, &self->early.events[i], outputs, status);
+    early_messages_finish(&self->early);
+    return ok;
+}
+
 static bool handle_message(struct shading_node *self, const struct node_event *event,
-                           struct status *status) {
+                           struct node_outputs *outputs, struct status *status) {
     switch (event->header.kind) {
     case WIRE_CONFIGURATION:
-        if (self->is_configured)
-            return status_fail(status, STATUS_INVALID, "configured twice");
-        self->is_configured = configuration_decode(event->message, &self->configuration, status);
-        return self->is_configured;
+        return configure(self, event, outputs, status);
     case WIRE_SHADER:
         return shader_table_announce(&self->shaders, event->message, status);
     case WIRE_FRAME_BEGIN:
@@ -447,8 +497,7 @@ static bool handle_message(struct shading_node *self, const struct node_event *e
     case WIRE_FRAME_END:
         return end_frame(self, event, status);
     case WIRE_REGION:
-        queue_push(self, event);
-        return true;
+        return accept_region(self, event, outputs, status);
     case WIRE_QUIT:
         self->node.is_finished = true;
         return true;
@@ -477,7 +526,7 @@ static bool shading_node_step(struct node *node, const struct node_event *event,
     struct shading_node *self = (struct shading_node *)node;
     bool ok = true;
     if (event->kind == NODE_MESSAGE)
-        ok = handle_message(self, event, status);
+        ok = handle_message(self, event, outputs, status);
     else if (event->kind == NODE_WORK && node->has_work)
         ok = advance(self, outputs, status);
     node->has_work = false;
@@ -514,6 +563,8 @@ static void shading_node_destroy(struct node *node) {
     for (size_t i = 0; i < self->queue_count; i++)
         message_release(self->queue[self->queue_first + i].message);
     free(self->queue);
+    region_gather_finish(&self->gather);
+    early_messages_finish(&self->early);
     free(self->batch.memory);
     free(self->batch.material);
     free(self->batch.light_scratch);

@@ -32,6 +32,7 @@ enum {
     OPTION_DEADLINE,
     OPTION_SCHEDULE_SEED,
     OPTION_PACE,
+    OPTION_COMPOSITION,
     OPTION_BIND,
     OPTION_BOARD,
     OPTION_SUPERVISED,
@@ -64,6 +65,7 @@ static const struct option long_options[] = {
     {"shaders", required_argument, NULL, OPTION_SHADERS},
     {"deadline", required_argument, NULL, OPTION_DEADLINE},
     {"schedule-seed", required_argument, NULL, OPTION_SCHEDULE_SEED},
+    {"composition", required_argument, NULL, OPTION_COMPOSITION},
     {"pace", required_argument, NULL, OPTION_PACE},
     {"bind", required_argument, NULL, OPTION_BIND},
     {"status-board", required_argument, NULL, OPTION_BOARD},
@@ -93,6 +95,9 @@ static void print_help(bool is_host_program) {
          "  -r, --rendering-nodes N    rendering nodes (default 1)\n"
          "  -s, --shading-nodes N      shading nodes (default 1)\n"
          "      --machine FILE|NAME    machine description (default pixelflow)\n"
+         "      --composition NAME     how regions come together: chain (default), direct-send, "
+         "binary-swap,\n"
+         "                             radix-k or tree (docs/timing.md)\n"
          "      --seed N               seed of the distribution of primitives (default 1)\n"
          "\n"
          "Picture\n"
@@ -228,6 +233,18 @@ static bool parse_chord(const char *text, double *chord, struct status *status) 
     return true;
 }
 
+static bool parse_composition(const char *text, const struct strategy **strategy,
+                              struct status *status) {
+    char all[256] = "";
+    *strategy = strategy_find(text);
+    for (int i = 0; !*strategy && strategy_at(i); i++) {
+        const size_t used = strlen(all);
+        snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", strategy_at(i)->name);
+    }
+    return *strategy || status_fail(status, STATUS_INVALID,
+                                    "--composition must be one of %s, not \"%s\"", all, text);
+}
+
 static bool parse_pace(const char *text, double *pace, struct status *status) {
     char *end;
     *pace = strtod(text, &end);
@@ -326,6 +343,8 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         ok = parse_whole(text, "--schedule-seed", 0, LLONG_MAX, &whole, status);
         o->schedule_seed = (uint64_t)whole;
         return ok;
+    case OPTION_COMPOSITION:
+        return parse_composition(text, &o->host.strategy, status);
     case OPTION_PACE:
         return parse_pace(text, &o->pace, status);
     case OPTION_BIND:
@@ -423,6 +442,7 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
     *options = (struct render_options){.deadline_s = 60, .board = -1};
     options->host.rendering_nodes = options->host.shading_nodes = 1;
     options->host.seed = 1;
+    options->host.strategy = strategy_at(0);
     options->host.compression = IMAGE_COMPRESSION_ZIP;
     options->host.shader_folders = (const char *const *)options->folders;
     int option;
@@ -461,6 +481,11 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
     add_default_folders(options);
     if (is_host_program && !options->bind) {
         status_fail(&status, STATUS_INVALID, "--bind is missing: where should the nodes call?");
+        return usage_error(&status);
+    }
+    if (options->pace > 0 && options->host.strategy->plan) {
+        status_fail(&status, STATUS_INVALID, "--pace follows the chain only, not --composition %s",
+                    options->host.strategy->name);
         return usage_error(&status);
     }
     if (options->pace > 0 && options->driver == DRIVER_IN_PROCESS) {

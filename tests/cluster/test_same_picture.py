@@ -51,6 +51,36 @@ def test_node_counts_drivers_and_transports_give_the_same_picture():
             check_runs(folder, scene, runs)
 
 
+STRATEGIES = ("direct-send", "binary-swap", "radix-k", "tree")
+
+
+def test_every_composition_strategy_gives_the_same_picture():
+    for name, scene in scenes():
+        with Folder() as folder:
+            whole, first, time_of = None, None, {}
+            runs = [("chain", 1, 1, "in-process", 0)]
+            for strategy in STRATEGIES:
+                runs += [(strategy, 4, 3, "in-process", 5), (strategy, 7, 2, "in-process", 9)]
+                if name == "coincident":
+                    runs += [(strategy, 7, 2, "processes", 0), (strategy, 13, 1, "processes", 0)]
+            for strategy, r, s, driver, seed in runs:
+                out = folder.file("%s-%d-%s.exr" % (strategy, r, driver))
+                summary = folder.render(scene, "-r", r, "-s", s, "--composition", strategy, "--driver", driver, "-o",
+                                        out, *SMALL, *(["--schedule-seed", seed] if seed else []))
+                assert summary["composition_strategy"] == strategy
+                first = first or pictures(summary)
+                for a, b in zip(first, pictures(summary)):
+                    folder.assert_same_picture(a, b)
+                assert time_of.setdefault((strategy, r, s), times(summary)) == times(summary), (strategy, r, s)
+                for frame in summary["frames"]:  # every byte has a cause, whatever way it came
+                    parts = frame["composition"]["bytes"]
+                    assert sum(v for k, v in parts.items() if k != "total") == parts["total"]
+                # what a region says when it is composed does not depend on the way
+                said = [[f["composition"]["bytes"][k] for k in ("shader_id", "parameters")] for f in summary["frames"]]
+                whole = whole or said
+                assert said == whole, (strategy, r, said, whole)
+
+
 def test_any_order_of_events_gives_the_same_picture_and_time():
     for name, scene in scenes():
         with Folder() as folder:

@@ -132,11 +132,46 @@ static void composition_equals_the_plain_way_in_any_order(void **state) {
         struct region_view view;
         assert_true(region_open(ab_c->bytes, ab_c->length, SAMPLES, &view, NULL));
         assert_int_equal(view.head.work_count, 3);
+        for (uint32_t i = 0; i < 3; i++)
+            assert_int_equal(view.work[i].node, i);
         struct message *all[] = {ab, ba, ab_c, bc, a_bc, m[0], m[1], m[2]};
         for (size_t i = 0; i < sizeof all / sizeof *all; i++)
             message_release(all[i]);
         for (int i = 0; i < 3; i++)
             free(d[i]);
+    }
+}
+
+/* Cuts a region into parts at random and composes them again: every byte as before. */
+static void parts_of_a_region_compose_to_the_region(void **state) {
+    (void)state;
+    struct rng rng = {6};
+    for (int round = 0; round < 2000; round++) {
+        struct dense *d = random_dense(&rng, 1);
+        struct message *whole = encode(d, 7), *sum = NULL;
+        struct region_view view;
+        const uint32_t carrier = (uint32_t)rng_below(&rng, 4);
+        uint32_t first = 0;
+        assert_true(region_open(whole->bytes, whole->length, SAMPLES, &view, NULL));
+        for (uint32_t part = 0; part < 4; part++) {
+            const uint32_t end =
+                part == 3 ? SAMPLES : first + (uint32_t)rng_below(&rng, SAMPLES - first + 1);
+            struct message *cut = region_extract(&view, first, end, part == carrier, 1, 2, 3);
+            struct message *both = sum ? compose(sum, cut) : message_hold(cut);
+            message_release(sum);
+            message_release(cut);
+            sum = both;
+            first = end;
+        }
+        assert_same(sum, d);
+        struct region_view joined;
+        assert_true(region_open(sum->bytes, sum->length, SAMPLES, &joined, NULL));
+        assert_int_equal(joined.head.work_count, 1);
+        assert_int_equal(joined.work[0].triangles, 8);
+        assert_int_equal(joined.head.longest_map, view.head.longest_map);
+        message_release(sum);
+        message_release(whole);
+        free(d);
     }
 }
 
@@ -160,6 +195,7 @@ static void runs_are_merged_where_regions_touch(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(composition_equals_the_plain_way_in_any_order),
+        cmocka_unit_test(parts_of_a_region_compose_to_the_region),
         cmocka_unit_test(runs_are_merged_where_regions_touch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -53,7 +53,8 @@ static struct message *sample_chunk(void) {
 }
 
 static struct message *sample_configuration(void) {
-    struct configuration configuration = {.rendering_nodes = 4, .shading_nodes = 3};
+    struct configuration configuration = {
+        .rendering_nodes = 4, .shading_nodes = 3, .strategy = strategy_at(0)};
     assert_true(machine_read_file(MACHINES "/pixelflow.json", &configuration.machine, NULL));
     return configuration_encode(&configuration);
 }
