@@ -197,6 +197,7 @@ static double shade_all(struct gathered *all, size_t count, int rounds) {
                                            .matrices = all[i].instance->matrices,
                                            .lights = all[i].instance->lights,
                                            .light_count = all[i].instance->light_count,
+                                           .light_vectors = 7,
                                            .light_scratch = scratch,
                                            .counters = &all[i].instance->counts.counters};
                 for (int p = 0; p < module->material_count; p++)

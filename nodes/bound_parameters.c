@@ -18,6 +18,8 @@ static enum shader_type shader_type_of(enum scene_type type) {
         return SHADER_NORMAL;
     case SCENE_STRING:
         return SHADER_STRING;
+    case SCENE_MATRIX:
+        return SHADER_MATRIX;
     }
     return SHADER_FLOAT;
 }
@@ -34,9 +36,10 @@ static bool types_fit(enum shader_type wanted, enum shader_type given) {
 }
 
 static const struct shader_parameter *find_parameter(const struct shader_program *program,
-                                                     const char *name) {
+                                                     enum shader_kind kind, const char *name) {
     for (int i = 0; i < program->parameter_count; i++)
-        if (!program->parameters[i].is_global && !strcmp(program->parameters[i].name, name))
+        if (!program->parameters[i].is_global && program->parameters[i].shader == kind &&
+            !strcmp(program->parameters[i].name, name))
             return &program->parameters[i];
     return NULL;
 }
@@ -68,32 +71,34 @@ void bound_parameter_to_camera(float *value, enum shader_type type, const struct
     value[2] = (float)v.z;
 }
 
-static void list_parameters(const struct shader_program *program, char *text, size_t size) {
+static void list_parameters(const struct shader_program *program, enum shader_kind kind, char *text,
+                            size_t size) {
     text[0] = 0;
     for (int i = 0; i < program->parameter_count; i++) {
-        if (program->parameters[i].is_global)
+        if (program->parameters[i].is_global || program->parameters[i].shader != kind)
             continue;
         const size_t used = strlen(text);
         snprintf(text + used, size - used, "%s%s", used ? ", " : "", program->parameters[i].name);
     }
 }
 
-static bool fits(const struct shader_program *program, const struct shader_parameter *parameter,
+static bool fits(const struct shader_program *program, enum shader_kind kind,
+                 const char *shader_name, const struct shader_parameter *parameter,
                  const struct scene_parameter *given, struct status *status) {
     const struct scene_location at = given->location;
     if (!parameter) {
         char known[768];
-        list_parameters(program, known, sizeof known);
+        list_parameters(program, kind, known, sizeof known);
         return status_fail(status, STATUS_INVALID,
                            "%s:%d:%d: error: shader %s has no parameter \"%s\"; it has: %s",
-                           at.file, at.line, at.column, program->name, given->name,
+                           at.file, at.line, at.column, shader_name, given->name,
                            known[0] ? known : "none");
     }
     if (!types_fit(parameter->type, shader_type_of(given->type)))
         return status_fail(
             status, STATUS_INVALID,
             "%s:%d:%d: error: parameter \"%s\" of shader %s is a %s, the scene gives a %s", at.file,
-            at.line, at.column, given->name, program->name, shader_type_name(parameter->type),
+            at.line, at.column, given->name, shader_name, shader_type_name(parameter->type),
             shader_type_name(shader_type_of(given->type)));
     if (parameter->array_length != given->array_length &&
         (parameter->array_length ? parameter->array_length : 1) !=
@@ -101,7 +106,7 @@ static bool fits(const struct shader_program *program, const struct shader_param
         return status_fail(
             status, STATUS_INVALID,
             "%s:%d:%d: error: parameter \"%s\" of shader %s has %d elements, the scene gives %d",
-            at.file, at.line, at.column, given->name, program->name,
+            at.file, at.line, at.column, given->name, shader_name,
             parameter->array_length ? parameter->array_length : 1,
             given->array_length ? given->array_length : 1);
     return true;
@@ -127,24 +132,52 @@ static void store(const struct shader_parameter *parameter, const struct scene_p
     memset(given + parameter->bound_offset, 1, (size_t)parameter->components);
 }
 
+/* What one Surface, Displacement, Atmosphere or LightSource call gives. */
+static bool fill_shader(const struct shader_program *program, enum shader_kind kind,
+                        const struct scene_shader *shader, float *bound, uint8_t *given,
+                        struct status *status) {
+    const char *name = kind == program->kind ? program->name : shader->name;
+    for (int i = 0; i < shader->parameter_count; i++) {
+        const struct scene_parameter *value = &shader->parameters[i];
+        const struct shader_parameter *parameter = find_parameter(program, kind, value->name);
+        if (!fits(program, kind, name, parameter, value, status))
+            return false;
+        store(parameter, value, &shader->shader_to_camera, bound, given);
+    }
+    return true;
+}
+
+/* Constant primitive variables serve every shader of the surface that has such a parameter. */
+static bool fill_constants(const struct shader_program *program, const struct bound_source *source,
+                           float *bound, uint8_t *given, struct status *status) {
+    for (int i = 0; i < source->constant_count; i++)
+        for (int kind = 0; kind < SHADER_KIND_COUNT; kind++) {
+            const struct scene_parameter *value = &source->constants[i];
+            const struct shader_parameter *parameter =
+                find_parameter(program, (enum shader_kind)kind, value->name);
+            if (!parameter)
+                continue;
+            if (!fits(program, (enum shader_kind)kind, program->name, parameter, value, status))
+                return false;
+            store(parameter, value, source->object_to_camera, bound, given);
+        }
+    return true;
+}
+
 bool bound_parameters_fill(const struct shader_program *program, const struct bound_source *source,
                            float *bound, uint8_t *given, struct status *status) {
-    for (int i = 0; source->shader && i < source->shader->parameter_count; i++) {
-        const struct scene_parameter *value = &source->shader->parameters[i];
-        const struct shader_parameter *parameter = find_parameter(program, value->name);
-        if (!fits(program, parameter, value, status))
+    const struct {
+        enum shader_kind kind;
+        const struct scene_shader *shader;
+    } shaders[] = {{program->kind, source->shader},
+                   {SHADER_KIND_DISPLACEMENT, source->displacement},
+                   {SHADER_KIND_VOLUME, source->atmosphere}};
+    for (size_t i = 0; i < sizeof shaders / sizeof *shaders; i++)
+        if (shaders[i].shader &&
+            !fill_shader(program, shaders[i].kind, shaders[i].shader, bound, given, status))
             return false;
-        store(parameter, value, &source->shader->shader_to_camera, bound, given);
-    }
-    for (int i = 0; i < source->constant_count; i++) {
-        const struct scene_parameter *value = &source->constants[i];
-        const struct shader_parameter *parameter = find_parameter(program, value->name);
-        if (!parameter)
-            continue; /* primitive variables may serve other shaders */
-        if (!fits(program, parameter, value, status))
-            return false;
-        store(parameter, value, source->object_to_camera, bound, given);
-    }
+    if (!fill_constants(program, source, bound, given, status))
+        return false;
     for (int i = 0; i < program->parameter_count; i++) {
         const struct shader_parameter *parameter = &program->parameters[i];
         const float *value = !parameter->is_global            ? NULL
@@ -157,4 +190,40 @@ bool bound_parameters_fill(const struct shader_program *program, const struct bo
         memset(given + parameter->bound_offset, 1, 3);
     }
     return true;
+}
+
+static void add_texts(const struct shader_program *program, enum shader_kind kind,
+                      const struct scene_shader *shader, char **texts, size_t *bytes,
+                      size_t *capacity) {
+    for (int i = 0; shader && i < shader->parameter_count; i++) {
+        const struct scene_parameter *value = &shader->parameters[i];
+        const struct shader_parameter *parameter = find_parameter(program, kind, value->name);
+        if (!value->strings || !parameter || parameter->bound_offset < 0)
+            continue;
+        for (int s = 0; s < (value->array_length ? value->array_length : 1); s++) {
+            const size_t length = strlen(value->strings[s]) + 1;
+            *texts = memory_grow(*texts, capacity, *bytes + length, 1);
+            memcpy(*texts + *bytes, value->strings[s], length);
+            *bytes += length;
+        }
+    }
+}
+
+void bound_parameters_texts(const struct shader_program *program, const struct bound_source *source,
+                            char **texts, size_t *bytes) {
+    size_t capacity = 0;
+    *texts = NULL;
+    *bytes = 0;
+    add_texts(program, program->kind, source->shader, texts, bytes, &capacity);
+    add_texts(program, SHADER_KIND_DISPLACEMENT, source->displacement, texts, bytes, &capacity);
+    add_texts(program, SHADER_KIND_VOLUME, source->atmosphere, texts, bytes, &capacity);
+}
+
+const char *bound_parameters_category(const struct shader_program *program,
+                                      const struct bound_source *source) {
+    for (int i = 0; source->shader && i < source->shader->parameter_count; i++)
+        if (source->shader->parameters[i].strings &&
+            !strcmp(source->shader->parameters[i].name, "__category"))
+            return source->shader->parameters[i].strings[0];
+    return program->category;
 }

@@ -9,6 +9,7 @@
  * primitive variables (which win), and the colour attributes. */
 struct bound_source {
     const struct scene_shader *shader; /* NULL: the default surface */
+    const struct scene_shader *displacement, *atmosphere;
     const struct scene_parameter *constants;
     int constant_count;
     const struct mat4 *object_to_camera;
@@ -18,6 +19,12 @@ struct bound_source {
 /* Fills `bound` and `given` (program->bound_count entries). Points, vectors and normals are brought
  * to camera space. A parameter the shader does not have, or of another type, is an error naming the
  * place in the scene. */
+/* The texts of the strings that were given, each ended by a NUL: the caller frees *texts. */
+void bound_parameters_texts(const struct shader_program *program, const struct bound_source *source,
+                            char **texts, size_t *bytes);
+/* The category of a light: what the scene says, else the shader's own. */
+const char *bound_parameters_category(const struct shader_program *program,
+                                      const struct bound_source *source);
 bool bound_parameters_fill(const struct shader_program *program, const struct bound_source *source,
                            float *bound, uint8_t *given, struct status *status);
 

@@ -167,10 +167,10 @@ float region_grid_screen_y(const struct region_grid *grid, const struct frame_pa
 }
 
 uint64_t instance_payload_bound_bytes(const struct instance_payload *instance) {
-    uint64_t bytes = 64 * (uint64_t)__builtin_popcount(instance->spaces);
+    uint64_t bytes = 64 * ((uint64_t)__builtin_popcount(instance->spaces) + instance->named_count);
     for (uint32_t i = 0; i < instance->bound_count; i++)
         bytes += instance->given[i] ? 4 : 0;
-    return bytes;
+    return bytes + instance->text_bytes + strlen(instance->category);
 }
 
 struct message *instance_payload_encode(const struct instance_payload *instance,
@@ -180,12 +180,19 @@ struct message *instance_payload_encode(const struct instance_payload *instance,
     wire_put_u32(&writer, instance->shader);
     wire_put_u32(&writer, instance->bound_count);
     wire_put_u32(&writer, instance->spaces);
+    wire_put_u32(&writer, instance->named_count);
     wire_put_u32(&writer, instance->light_count);
+    wire_put_u32(&writer, instance->text_bytes);
+    wire_put_u32(&writer, (uint32_t)strlen(instance->category) + 1);
     wire_put(&writer, instance->bound, instance->bound_count * sizeof(float));
     wire_put(&writer, instance->matrices,
              (size_t)__builtin_popcount(instance->spaces) * 32 * sizeof(float));
+    wire_put(&writer, instance->names, instance->named_count * sizeof(int32_t));
+    wire_put(&writer, instance->named_matrices, (size_t)instance->named_count * 32 * sizeof(float));
     wire_put(&writer, instance->lights, instance->light_count * sizeof(uint32_t));
     wire_put(&writer, instance->given, instance->bound_count);
+    wire_put(&writer, instance->texts, instance->text_bytes);
+    wire_put(&writer, instance->category, strlen(instance->category) + 1);
     return wire_finish(
         &writer, (struct wire_header){.kind = kind,
                                       .frame = frame,
@@ -201,15 +208,28 @@ bool instance_payload_decode(const struct message *message, struct instance_payl
     instance->shader = wire_get_u32(&reader);
     instance->bound_count = wire_get_u32(&reader);
     instance->spaces = wire_get_u32(&reader);
+    instance->named_count = wire_get_u32(&reader);
     instance->light_count = wire_get_u32(&reader);
+    instance->text_bytes = wire_get_u32(&reader);
+    const uint32_t category_bytes = wire_get_u32(&reader);
     if (instance->spaces >> SHADER_SPACE_COUNT)
         return status_fail(status, STATUS_INVALID, "damaged instance message: coordinate systems");
     instance->bound = wire_get_array(&reader, instance->bound_count, sizeof(float));
     instance->matrices =
         wire_get_array(&reader, (uint64_t)__builtin_popcount(instance->spaces) * 32, sizeof(float));
+    instance->names = wire_get_array(&reader, instance->named_count, sizeof(int32_t));
+    instance->named_matrices =
+        wire_get_array(&reader, (uint64_t)instance->named_count * 32, sizeof(float));
     instance->lights = wire_get_array(&reader, instance->light_count, sizeof(uint32_t));
     instance->given = wire_get(&reader, instance->bound_count);
-    return wire_reader_done(&reader, "instance", status);
+    instance->texts = wire_get(&reader, instance->text_bytes);
+    instance->category = wire_get(&reader, category_bytes);
+    if (!wire_reader_done(&reader, "instance", status))
+        return false;
+    if ((instance->text_bytes && instance->texts[instance->text_bytes - 1]) || !category_bytes ||
+        instance->category[category_bytes - 1])
+        return status_fail(status, STATUS_INVALID, "damaged instance message: strings do not end");
+    return true;
 }
 
 struct message *chunk_payload_encode(const struct chunk_payload *chunk, uint32_t frame) {

@@ -73,8 +73,9 @@ float region_grid_screen_y(const struct region_grid *grid, const struct frame_pa
                            uint32_t y);
 
 /* INSTANCE and LIGHT: a shader with its bound parameters (PF section 4.3). Charged: bound
- * parameters that were given and one matrix for each coordinate system it uses; identity, shader
- * and lights are control. */
+ * parameters that were given, the texts of bound strings where the shader makes strings of them,
+ * the category of a light, and one matrix for each coordinate system it uses; identity, shader and
+ * lights are control. */
 struct instance_payload {
     uint32_t id;     /* instances: the shader ID, from 1; lights: index, from 0 */
     uint32_t shader; /* number of its SHADER message */
@@ -82,9 +83,15 @@ struct instance_payload {
     const float *bound;
     const uint8_t *given;
     uint32_t spaces; /* bit i: matrices of shader_space i follow, to_camera then from_camera */
-    const float *matrices; /* 32 floats for each set bit, ascending */
+    const float *matrices;       /* 32 floats for each set bit, ascending */
+    uint32_t named_count;        /* coordinate systems of the scene */
+    const int32_t *names;        /* identity numbers of their names */
+    const float *named_matrices; /* 32 floats each, likewise */
     uint32_t light_count;
     const uint32_t *lights; /* indices, for instances */
+    uint32_t text_bytes;
+    const char *texts;    /* bound strings, each ended by a NUL */
+    const char *category; /* of a light; "" without */
 };
 struct message *instance_payload_encode(const struct instance_payload *instance,
                                         enum wire_kind kind, uint32_t frame);

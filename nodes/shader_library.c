@@ -10,7 +10,7 @@ enum { SOURCE_BYTES_MAX = 1 << 20, PATH_BYTES = 4096 };
 
 struct library_entry {
     struct shader_variant variant; /* first: what callers see */
-    char *key;                     /* "name\nmaterial\nmaterial..." */
+    char *key;                     /* variant_key */
 };
 
 struct shader_library {
@@ -72,9 +72,9 @@ static FILE *open_source(const struct shader_library *library, const char *name,
     static const char suffix[] = "light";
     FILE *file = open_named(library, name, path);
     const size_t length = strlen(name), cut = sizeof suffix - 1;
-    if (file || length <= cut || length >= PATH_BYTES || strcmp(name + length - cut, suffix))
+    if (file || length <= cut || length >= PATH_BYTES - 8 || strcmp(name + length - cut, suffix))
         return file;
-    char stem[PATH_BYTES];
+    char stem[PATH_BYTES - 8];
     snprintf(stem, sizeof stem, "%.*s", (int)(length - cut), name);
     return open_named(library, stem, path);
 }
@@ -132,29 +132,64 @@ static const char *read_included(void *context, const char *name, size_t *length
     return is_read ? text : NULL;
 }
 
-static bool compile(struct shader_library *library, const char *name, const char *const *material,
-                    int material_count, const struct scene_location *at,
-                    struct shader_program **program, struct status *status) {
+/* A source as the compiler takes it. */
+struct source_file {
     char path[PATH_BYTES];
-    FILE *file = open_source(library, name, path);
+    char *text; /* owned */
+    size_t length;
+};
+
+static bool read_source(const struct shader_library *library, const char *name,
+                        const struct scene_location *at, struct source_file *source,
+                        struct status *status) {
+    FILE *file = open_source(library, name, source->path);
     if (!file)
         return not_found(library, name, at, status);
-    char *text = memory_get(SOURCE_BYTES_MAX + 2, 1);
-    const size_t length = fread(text, 1, SOURCE_BYTES_MAX + 1, file);
+    source->text = memory_get(SOURCE_BYTES_MAX + 2, 1);
+    source->length = fread(source->text, 1, SOURCE_BYTES_MAX + 1, file);
     const bool is_read = !ferror(file);
     fclose(file);
-    struct included included = {.library = library, .shader_path = path};
-    const struct shader_compile_options options = {.material = material,
-                                                   .material_count = material_count,
-                                                   .fast_math = library->fast_math,
-                                                   .read_include = read_included,
-                                                   .read_include_context = &included};
-    bool ok = is_read ? shader_compile(path, text, length, &options, program, status)
-                      : status_fail(status, STATUS_IO, "cannot read %s: %s", path, strerror(errno));
+    return is_read ||
+           status_fail(status, STATUS_IO, "cannot read %s: %s", source->path, strerror(errno));
+}
+
+static bool compile_sources(struct shader_library *library, const struct shader_wanted *wanted,
+                            const char *const *material, struct source_file sources[3],
+                            struct shader_program **program, struct status *status) {
+    struct included included = {.library = library, .shader_path = sources[0].path};
+    const bool is_light = wanted->kind == SHADER_KIND_LIGHT;
+    const struct shader_companion before = {sources[1].path, sources[1].text, sources[1].length},
+                                  after = {sources[2].path, sources[2].text, sources[2].length};
+    const struct shader_compile_options options = {
+        .displacement = wanted->displacement ? &before : NULL,
+        .atmosphere = wanted->atmosphere ? &after : NULL,
+        .material = material,
+        .material_count = is_light ? 0 : wanted->material_count,
+        .exports = material,
+        .export_count = is_light ? wanted->material_count : 0,
+        .fast_math = library->fast_math,
+        .read_include = read_included,
+        .read_include_context = &included};
+    const bool ok = shader_compile(sources[0].path, sources[0].text, sources[0].length, &options,
+                                   program, status);
     for (size_t i = 0; i < included.count; i++)
         free(included.texts[i]);
     free(included.texts);
-    free(text);
+    return ok;
+}
+
+static bool compile(struct shader_library *library, const struct shader_wanted *wanted,
+                    const char *const *material, const struct scene_location *at,
+                    struct shader_program **program, struct status *status) {
+    const char *const names[3] = {wanted->name, wanted->displacement, wanted->atmosphere};
+    struct source_file *sources = memory_get(3, sizeof *sources);
+    bool ok = true;
+    for (int i = 0; ok && i < 3; i++)
+        ok = !names[i] || read_source(library, names[i], at, &sources[i], status);
+    ok = ok && compile_sources(library, wanted, material, sources, program, status);
+    for (int i = 0; i < 3; i++)
+        free(sources[i].text);
+    free(sources);
     return ok;
 }
 
@@ -162,16 +197,19 @@ static int compare_names(const void *a, const void *b) {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* The key of a variant: shader name and sorted material names. */
-static char *variant_key(const char *name, const char **material, int count) {
+/* The key of a variant: names of its shaders and sorted names of what is material. */
+static char *variant_key(const struct shader_wanted *wanted, const char **material) {
+    const char *const shaders[3] = {wanted->name, wanted->displacement ? wanted->displacement : "",
+                                    wanted->atmosphere ? wanted->atmosphere : ""};
+    const int count = wanted->material_count;
+    size_t length = 1;
     qsort(material, (size_t)count, sizeof *material, compare_names);
-    size_t length = strlen(name) + 1;
-    for (int i = 0; i < count; i++)
-        length += strlen(material[i]) + 1;
-    char *key = memory_get(length, 1), *at = stpcpy(key, name);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < 3 + count; i++)
+        length += strlen(i < 3 ? shaders[i] : material[i - 3]) + 1;
+    char *key = memory_get(length, 1), *at = key;
+    for (int i = 0; i < 3 + count; i++) {
+        at = stpcpy(at, i < 3 ? shaders[i] : material[i - 3]);
         *at++ = '\n';
-        at = stpcpy(at, material[i]);
     }
     return key;
 }
@@ -184,26 +222,23 @@ static bool check_kind(const struct shader_program *program, const char *name,
     return status_fail(status, STATUS_INVALID,
                        "%s:%d:%d: error: \"%s\" is a %s shader, a %s shader is needed here",
                        at->file ? at->file : "scene", at->line, at->column, name,
-                       program->kind == SHADER_KIND_LIGHT ? "light" : "surface",
-                       kind == SHADER_KIND_LIGHT ? "light" : "surface");
+                       shader_kind_name(program->kind), shader_kind_name(kind));
 }
 
-bool shader_library_variant(struct shader_library *library, const char *name, enum shader_kind kind,
-                            const char *const *material, int material_count,
+bool shader_library_variant(struct shader_library *library, const struct shader_wanted *wanted,
                             const struct scene_location *asked_at,
                             const struct shader_variant **variant, struct status *status) {
-    const char **sorted = memory_get((size_t)material_count, sizeof *sorted);
-    if (material_count)
-        memcpy(sorted, material, (size_t)material_count * sizeof *sorted);
-    char *key = variant_key(name, sorted, material_count);
+    const char **sorted = memory_get((size_t)wanted->material_count, sizeof *sorted);
+    if (wanted->material_count)
+        memcpy(sorted, wanted->material, (size_t)wanted->material_count * sizeof *sorted);
+    char *key = variant_key(wanted, sorted);
     struct library_entry *found = NULL;
     for (size_t i = 0; i < library->count && !found; i++)
         if (!strcmp(library->entries[i]->key, key))
             found = library->entries[i];
     bool ok = true;
     struct shader_program *program;
-    if (!found &&
-        (ok = compile(library, name, sorted, material_count, asked_at, &program, status))) {
+    if (!found && (ok = compile(library, wanted, sorted, asked_at, &program, status))) {
         found = memory_get(1, sizeof *found);
         *found = (struct library_entry){{(uint32_t)library->count, program}, key};
         key = NULL;
@@ -213,7 +248,7 @@ bool shader_library_variant(struct shader_library *library, const char *name, en
     }
     free(key);
     free(sorted);
-    if (!ok || !check_kind(found->variant.program, name, kind, asked_at, status))
+    if (!ok || !check_kind(found->variant.program, wanted->name, wanted->kind, asked_at, status))
         return false;
     *variant = &found->variant;
     return true;

@@ -21,10 +21,18 @@ struct shader_library *shader_library_create(const char *const *folders, int fol
                                              bool fast_math);
 void shader_library_destroy(struct shader_library *library);
 
-/* Finds or compiles; `material` lists names of primitive variables (sorted here; unknown ones do
- * not matter). Errors name the place in the scene that asked, or the shader's own line. */
-bool shader_library_variant(struct shader_library *library, const char *name, enum shader_kind kind,
-                            const char *const *material, int material_count,
+/* A shader, with the displacement and volume shaders that go with a surface (NULL: none).
+ * `material` lists names of primitive variables, of a light what surfaces ask it for; unknown ones
+ * do not matter. */
+struct shader_wanted {
+    const char *name, *displacement, *atmosphere;
+    enum shader_kind kind;
+    const char *const *material;
+    int material_count;
+};
+
+/* Finds or compiles. Errors name the place in the scene that asked, or the shader's own line. */
+bool shader_library_variant(struct shader_library *library, const struct shader_wanted *wanted,
                             const struct scene_location *asked_at,
                             const struct shader_variant **variant, struct status *status);
 uint32_t shader_library_count(const struct shader_library *library);

@@ -41,9 +41,15 @@ static bool table_module(struct shader_table *table, uint32_t number,
 
 static void prepared_finish(struct prepared_shader *prepared) {
     message_release(prepared->message);
+    if (prepared->matrices)
+        free((void *)prepared->matrices->named);
     free(prepared->matrices);
     free(prepared->uniform);
     free(prepared->lights);
+    free(prepared->query_offsets);
+    if (prepared->texts)
+        text_table_finish(prepared->texts);
+    free(prepared->texts);
     if (prepared->module)
         execution_counts_finish(&prepared->counts);
     *prepared = (struct prepared_shader){0};
@@ -83,6 +89,16 @@ static void load_matrices(struct prepared_shader *prepared) {
                sizeof identity);
         next += is_sent ? 32 : 0;
     }
+    const struct instance_payload *payload = &prepared->payload;
+    struct shader_named_space *named = memory_get(payload->named_count, sizeof *named);
+    for (uint32_t i = 0; i < payload->named_count; i++) {
+        named[i].name = payload->names[i];
+        memcpy(named[i].to_camera, payload->named_matrices + 32 * (size_t)i, sizeof identity);
+        memcpy(named[i].from_camera, payload->named_matrices + 32 * (size_t)i + 16,
+               sizeof identity);
+    }
+    prepared->matrices->named = named;
+    prepared->matrices->named_count = (int)payload->named_count;
 }
 
 static bool prepare(struct prepared_shader *prepared, struct shader_table *table, bool is_light,
@@ -99,11 +115,45 @@ static bool prepare(struct prepared_shader *prepared, struct shader_table *table
     if (!prepared->uniform)
         abort();
     memset(prepared->uniform, 0, uniform_bytes);
+    if (module->uses_texts) {
+        prepared->texts = memory_get(1, sizeof *prepared->texts);
+        text_table_init(prepared->texts, module, prepared->payload.texts,
+                        prepared->payload.text_bytes);
+    }
     module->prepare(prepared->payload.bound, prepared->payload.given, prepared->matrices,
-                    prepared->uniform);
+                    prepared->texts ? &prepared->texts->texts : NULL, prepared->uniform);
     prepared->module = module;
     execution_counts_init(&prepared->counts, module);
     return true;
+}
+
+/* Where the light's results hold the answer to each question of the surface. */
+static void answer_queries(const struct shader_module *surface, const struct shader_module *light,
+                           int *offsets) {
+    for (int q = 0; q < surface->query_count; q++) {
+        int at = 7;
+        offsets[q] = -1;
+        for (int e = 0; e < light->export_count; e++) {
+            if (!strcmp(light->exports[e].name, surface->queries[q].name) &&
+                light->exports[e].components == surface->queries[q].components)
+                offsets[q] = at;
+            at += light->exports[e].components;
+        }
+    }
+}
+
+static int result_vectors(const struct shader_module *light) {
+    int vectors = 7;
+    for (int e = 0; e < light->export_count; e++)
+        vectors += light->exports[e].components;
+    return vectors;
+}
+
+static uint64_t categories_of(const struct shader_module *surface, const char *category) {
+    uint64_t found = 0;
+    for (int c = 0; c < surface->category_count; c++)
+        found |= (uint64_t)text_category_matches(surface->categories[c], category) << c;
+    return found;
 }
 
 /* The lights of an instance as its shader meets them; lights themselves are prepared on first use.
@@ -113,6 +163,10 @@ static bool connect_lights(struct shading_frame *frame, struct shader_table *tab
     const int count = instance->module->uses_lights ? (int)instance->payload.light_count : 0;
     instance->lights = memory_get((size_t)count, sizeof *instance->lights);
     instance->light_count = count;
+    instance->light_vectors = 7;
+    const int queries = instance->module->query_count;
+    instance->query_offsets =
+        memory_get((size_t)count * (size_t)queries, sizeof *instance->query_offsets);
     for (int i = 0; i < count; i++) {
         const uint32_t index = instance->payload.lights[i];
         if (index >= frame->light_count)
@@ -121,8 +175,19 @@ static bool connect_lights(struct shading_frame *frame, struct shader_table *tab
         struct prepared_shader *light = &frame->lights[index];
         if (!light->module && !prepare(light, table, true, status))
             return false;
-        instance->lights[i] = (struct shader_light){light->module, light->uniform, light->matrices,
-                                                    &light->counts.counters};
+        int *offsets = instance->query_offsets + (size_t)i * (size_t)queries;
+        answer_queries(instance->module, light->module, offsets);
+        if (result_vectors(light->module) > instance->light_vectors)
+            instance->light_vectors = result_vectors(light->module);
+        instance->lights[i] = (struct shader_light){
+            .module = light->module,
+            .uniform = light->uniform,
+            .matrices = light->matrices,
+            .counters = &light->counts.counters,
+            .texts = light->texts ? &light->texts->texts : NULL,
+            .categories = categories_of(instance->module, light->payload.category),
+            .query_offsets = offsets,
+        };
     }
     return true;
 }
@@ -157,10 +222,12 @@ static size_t inherit(struct prepared_shader *fresh, size_t fresh_count,
         fresh[i].module = old[i].module;
         fresh[i].matrices = old[i].matrices;
         fresh[i].uniform = old[i].uniform;
+        fresh[i].texts = old[i].texts;
         fresh[i].counts = old[i].counts;
         old[i].module = NULL;
         old[i].matrices = NULL;
         old[i].uniform = NULL;
+        old[i].texts = NULL;
         kept++;
     }
     return kept;

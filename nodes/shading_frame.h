@@ -4,6 +4,7 @@
 
 #include "nodes/execution_counts.h"
 #include "nodes/protocol.h"
+#include "shaders/loader/shader_texts.h"
 
 /* The shader instances and lights of one frame on a shading node, made ready when a region first
  * needs them (contract C4), and kept from frame to frame while their bound parameters stay the same
@@ -31,10 +32,13 @@ struct prepared_shader {
     const struct shader_module *module; /* NULL until prepared */
     struct shader_matrices *matrices;
     float *uniform;
+    struct text_table *texts; /* NULL unless the module makes strings */
     struct execution_counts counts;
     struct shader_light *lights; /* of an instance: those that shine on it, filled when prepared */
     int light_count;
-    bool is_counted; /* in the region at hand */
+    int light_vectors;  /* of the results of one light */
+    int *query_offsets; /* of all lights: light_count * module->query_count */
+    bool is_counted;    /* in the region at hand */
 };
 
 struct shading_frame {

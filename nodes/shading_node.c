@@ -64,8 +64,8 @@ static float *planes_create(size_t count) {
     return planes;
 }
 
-static void batch_reserve(struct batch *batch, size_t material_count, size_t light_count) {
-    enum { FIXED_PLANES = 13, LIGHT_FLOATS = 7 * 16 };
+static void batch_reserve(struct batch *batch, size_t material_count, size_t light_vectors) {
+    enum { FIXED_PLANES = 13, VECTOR_FLOATS = 16 };
     if (!batch->memory || material_count > batch->material_capacity) {
         free(batch->memory);
         free(batch->material);
@@ -84,11 +84,11 @@ static void batch_reserve(struct batch *batch, size_t material_count, size_t lig
         }
         batch->present = (int32_t *)(void *)(next + 9 * BATCH_SAMPLES);
     }
-    if (!batch->light_scratch || light_count > batch->light_capacity) {
+    if (!batch->light_scratch || light_vectors > batch->light_capacity) {
         free(batch->light_scratch);
-        batch->light_capacity = light_count;
+        batch->light_capacity = light_vectors;
         batch->light_scratch =
-            aligned_alloc(PLANE_ALIGNMENT, (light_count + 1) * LIGHT_FLOATS * sizeof(float));
+            aligned_alloc(PLANE_ALIGNMENT, (light_vectors + 1) * VECTOR_FLOATS * sizeof(float));
         if (!batch->light_scratch)
             abort();
     }
@@ -186,7 +186,10 @@ static int shade_batch(struct shading_node *self, const struct shading_frame *fr
         .uniform = instance->uniform,
         .matrices = instance->matrices,
         .lights = instance->lights,
+        .instance = instance->payload.id,
         .light_count = instance->light_count,
+        .light_vectors = instance->light_vectors,
+        .texts = instance->texts ? &instance->texts->texts : NULL,
         .light_scratch = batch->light_scratch,
         .counters = &instance->counts.counters,
     };
@@ -210,7 +213,8 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
                            const uint32_t *order, size_t count, struct colour_draft *draft,
                            struct node_outputs *outputs) {
     const struct shader_module *module = instance->module;
-    batch_reserve(&self->batch, (size_t)module->material_count, (size_t)instance->light_count);
+    batch_reserve(&self->batch, (size_t)module->material_count,
+                  (size_t)(module->light_sets * instance->light_count * instance->light_vectors));
     execution_counts_reset(&instance->counts);
     int overrun = 0;
     struct quads quads = {0};

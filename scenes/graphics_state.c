@@ -72,9 +72,9 @@ void graphics_state_switch_light(struct graphics_state *state, struct rib_shader
     }
 }
 
-void graphics_state_set_surface(struct graphics_state *state, struct rib_shader *shader) {
-    rib_shader_release(state->surface);
-    state->surface = shader;
+void graphics_state_set_shader(struct rib_shader **place, struct rib_shader *shader) {
+    rib_shader_release(*place);
+    *place = shader;
 }
 
 void graphics_state_init(struct graphics_state *state) {
@@ -90,14 +90,18 @@ void graphics_state_init(struct graphics_state *state) {
 
 void graphics_state_copy(struct graphics_state *copy, const struct graphics_state *state) {
     *copy = *state;
-    if (copy->surface)
-        copy->surface->references++;
+    struct rib_shader *const shaders[] = {copy->surface, copy->displacement, copy->atmosphere};
+    for (size_t i = 0; i < sizeof shaders / sizeof *shaders; i++)
+        if (shaders[i])
+            shaders[i]->references++;
     if (copy->lights)
         copy->lights->references++;
 }
 
 void graphics_state_finish(struct graphics_state *state) {
     rib_shader_release(state->surface);
+    rib_shader_release(state->displacement);
+    rib_shader_release(state->atmosphere);
     light_set_release(state->lights);
     *state = (struct graphics_state){0};
 }

@@ -41,9 +41,9 @@ struct graphics_state {
     float color[3], opacity[3];
     int sides;
     enum surface_orientation orientation;
-    struct rib_shader *surface;
-    struct light_set *lights; /* NULL: none */
-    double basis[2][4][4];    /* u, v */
+    struct rib_shader *surface, *displacement, *atmosphere; /* NULL: none */
+    struct light_set *lights;                               /* NULL: none */
+    double basis[2][4][4];                                  /* u, v */
     int basis_step[2];
     double texture_coordinates[8];
 };
@@ -52,8 +52,8 @@ void graphics_state_init(struct graphics_state *state);
 void graphics_state_copy(struct graphics_state *copy, const struct graphics_state *state);
 void graphics_state_finish(struct graphics_state *state);
 
-/* Takes over the caller's reference to the shader. */
-void graphics_state_set_surface(struct graphics_state *state, struct rib_shader *shader);
+/* Puts a shader in one of the places above; takes over the caller's reference. */
+void graphics_state_set_shader(struct rib_shader **place, struct rib_shader *shader);
 /* Does nothing when the light already is what it should be. */
 void graphics_state_switch_light(struct graphics_state *state, struct rib_shader *light,
                                  bool is_on);

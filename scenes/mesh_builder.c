@@ -257,15 +257,17 @@ void mesh_builder_triangle(struct mesh_builder *builder, size_t a, size_t b, siz
     out[2] = (uint32_t)(flips ? b : c);
 }
 
-/* Cells in blocks of BLOCK_U x BLOCK_V: consecutive triangles then lie close together on the surface, and so does
- * a chunk of them (256 triangles are one block) on the screen, where it touches few regions and rows. */
+/* Cells in blocks of BLOCK_U x BLOCK_V: consecutive triangles then lie close together on the
+ * surface, and so does a chunk of them (256 triangles are one block) on the screen, where it
+ * touches few regions and rows. */
 void mesh_builder_grid(struct mesh_builder *builder, size_t first_vertex, size_t nu, size_t nv) {
     enum { BLOCK_U = 16, BLOCK_V = 8 };
     for (size_t block_j = 0; block_j < nv; block_j += BLOCK_V)
         for (size_t block_i = 0; block_i < nu; block_i += BLOCK_U)
             for (size_t j = block_j; j < nv && j < block_j + BLOCK_V; j++)
                 for (size_t i = block_i; i < nu && i < block_i + BLOCK_U; i++) {
-                    size_t a = first_vertex + j * (nu + 1) + i, b = a + 1, c = a + nu + 1, d = c + 1;
+                    size_t a = first_vertex + j * (nu + 1) + i, b = a + 1, c = a + nu + 1,
+                           d = c + 1;
                     mesh_builder_triangle(builder, a, b, d);
                     mesh_builder_triangle(builder, a, d, c);
                 }

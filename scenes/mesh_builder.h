@@ -46,8 +46,8 @@ void mesh_builder_put(struct mesh_builder *builder, size_t vertex,
 /* Corners in the order that goes with dPdu x dPdv in object space; triangles with two equal or any
  * non-finite corners are dropped. All vertices must have been put. */
 void mesh_builder_triangle(struct mesh_builder *builder, size_t a, size_t b, size_t c);
-/* The two triangles of every cell of a grid of (nu + 1) x (nv + 1) vertices stored u fastest; neighbouring cells
- * come close together in the order of triangles. */
+/* The two triangles of every cell of a grid of (nu + 1) x (nv + 1) vertices stored u fastest;
+ * neighbouring cells come close together in the order of triangles. */
 void mesh_builder_grid(struct mesh_builder *builder, size_t first_vertex, size_t nu, size_t nv);
 void mesh_builder_finish(struct mesh_builder *builder, struct scene_mesh *mesh, size_t *dropped);
 

@@ -12,7 +12,7 @@ static const struct {
     [RIB_FLOAT] = {"float", 1, SCENE_FLOAT},    [RIB_INTEGER] = {"integer", 1, SCENE_FLOAT},
     [RIB_COLOR] = {"color", 3, SCENE_COLOR},    [RIB_POINT] = {"point", 3, SCENE_POINT},
     [RIB_VECTOR] = {"vector", 3, SCENE_VECTOR}, [RIB_NORMAL] = {"normal", 3, SCENE_NORMAL},
-    [RIB_HPOINT] = {"hpoint", 4, SCENE_POINT},  [RIB_MATRIX] = {"matrix", 16, SCENE_FLOAT},
+    [RIB_HPOINT] = {"hpoint", 4, SCENE_POINT},  [RIB_MATRIX] = {"matrix", 16, SCENE_MATRIX},
     [RIB_STRING] = {"string", 1, SCENE_STRING},
 };
 

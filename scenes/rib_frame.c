@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "scenes/rib_reader.h"
+#include "scenes/rib_requests.h"
 
 #include "scenes/tessellate.h"
 
@@ -81,6 +81,7 @@ bool rib_frame_complete(struct rib_reader *reader) {
     for (size_t i = 0; i < light_count; i++)
         frame->lights[i] = rib_frame_shader(reader, reader->lights.handles[i].value);
     frame->light_count = (int)light_count;
+    rib_copy_spaces(reader, frame);
     frame->meshes = arena_get(&frame->arena, builder->mesh_count * sizeof *frame->meshes);
     if (builder->mesh_count)
         memcpy(frame->meshes, builder->meshes, builder->mesh_count * sizeof *frame->meshes);
@@ -96,8 +97,6 @@ static const char *copy_text(struct arena *arena, const char *text) {
 
 static void copy_parameter(struct arena *arena, const struct scene_parameter *from,
                            struct scene_parameter *to) {
-    static const int components[] = {[SCENE_FLOAT] = 1,  [SCENE_COLOR] = 3,  [SCENE_POINT] = 3,
-                                     [SCENE_VECTOR] = 3, [SCENE_NORMAL] = 3, [SCENE_STRING] = 1};
     size_t count = (size_t)(from->array_length > 0 ? from->array_length : 1);
     *to = *from;
     to->name = copy_text(arena, from->name);
@@ -106,7 +105,7 @@ static void copy_parameter(struct arena *arena, const struct scene_parameter *fr
         for (size_t i = 0; i < count; i++)
             to->strings[i] = copy_text(arena, from->strings[i]);
     } else {
-        size_t bytes = count * (size_t)components[from->type] * sizeof(float);
+        size_t bytes = count * (size_t)scene_type_components(from->type) * sizeof(float);
         to->values = memcpy(arena_get(arena, bytes), from->values, bytes);
     }
 }
@@ -154,6 +153,8 @@ static void set_attributes(struct rib_reader *reader, const struct primitive *pr
                            struct scene_mesh *mesh) {
     const struct graphics_state *state = &reader->state;
     mesh->surface = state->surface ? rib_frame_shader(reader, state->surface) : NULL;
+    mesh->displacement = state->displacement ? rib_frame_shader(reader, state->displacement) : NULL;
+    mesh->atmosphere = state->atmosphere ? rib_frame_shader(reader, state->atmosphere) : NULL;
     copy_lights(reader, mesh);
     set_color(primitive, "Cs", state->color, mesh->color);
     set_color(primitive, "Os", state->opacity, mesh->opacity);

@@ -125,6 +125,12 @@ struct rib_reader {
     struct block *blocks;
     size_t block_count, block_capacity;
     struct handle_table lights, objects;
+    struct named_space {
+        const char *name;      /* interned */
+        struct mat4 transform; /* as graphics_state.transform */
+        bool in_world;
+    } * spaces;
+    size_t space_count, space_capacity;
     uint64_t light_sequence;
     int frame_number;
     bool in_frame, in_world, in_object, in_motion;

@@ -63,9 +63,9 @@ enum rib_context {
     X(Scale, ANYWHERE, read_scale)                                                                 \
     X(Skew, ANYWHERE, read_skew)                                                                   \
     X(Perspective, ANYWHERE, read_perspective)                                                     \
-    X(CoordinateSystem, ANYWHERE, read_ignored)                                                    \
-    X(ScopedCoordinateSystem, ANYWHERE, read_ignored)                                              \
-    X(CoordSysTransform, ANYWHERE, read_unsupported)                                               \
+    X(CoordinateSystem, ANYWHERE, read_coordinate_system)                                          \
+    X(ScopedCoordinateSystem, ANYWHERE, read_coordinate_system)                                    \
+    X(CoordSysTransform, ANYWHERE, read_coord_sys_transform)                                       \
     X(Attribute, ANYWHERE, read_attribute)                                                         \
     X(Color, ANYWHERE, read_color)                                                                 \
     X(Opacity, ANYWHERE, read_opacity)                                                             \
@@ -86,9 +86,9 @@ enum rib_context {
     X(Detail, ANYWHERE, read_ignored)                                                              \
     X(DetailRange, ANYWHERE, read_unsupported)                                                     \
     X(Matte, ANYWHERE, read_unsupported)                                                           \
-    X(Displacement, ANYWHERE, read_unsupported)                                                    \
+    X(Displacement, ANYWHERE, read_displacement)                                                   \
     X(Deformation, ANYWHERE, read_unsupported)                                                     \
-    X(Atmosphere, ANYWHERE, read_unsupported)                                                      \
+    X(Atmosphere, ANYWHERE, read_atmosphere)                                                       \
     X(Interior, ANYWHERE, read_unsupported)                                                        \
     X(Exterior, ANYWHERE, read_unsupported)                                                        \
     X(TrimCurve, ANYWHERE, read_unsupported)                                                       \
@@ -134,6 +134,11 @@ bool rib_finish_primitive(struct rib_reader *reader, struct primitive *primitive
 bool rib_fail_primitive(struct primitive *primitive, struct parameter_list *list);
 /* The list must hold P: how many points it has. */
 bool rib_find_points(struct rib_reader *reader, const struct parameter_list *list, size_t *count);
+
+/* The named coordinate systems as they are now, for the frame; and forgets those of the world block
+ * that ends. */
+void rib_copy_spaces(const struct rib_reader *reader, struct scene_frame *frame);
+void rib_leave_spaces(struct rib_reader *reader);
 
 /* Blocks that are open at the end of the file is an error. */
 bool rib_check_blocks_closed(struct rib_reader *reader);

@@ -128,7 +128,7 @@ static bool shader_parameter(struct rib_reader *reader, const struct primitive_v
                              const struct rib_location *location,
                              struct scene_parameter *parameter) {
     size_t needed = (size_t)primitive_variable_components(item);
-    if (item->type == RIB_MATRIX || item->type == RIB_HPOINT)
+    if (item->type == RIB_HPOINT)
         return rib_error(reader, location, "%s: parameters of type %s are not supported",
                          reader->request, rib_type_name(item->type));
     if (item->count != needed)
@@ -174,7 +174,7 @@ static struct rib_shader *read_shader(struct rib_reader *reader, const char *nam
     return shader;
 }
 
-bool read_surface(struct rib_reader *reader) {
+static bool read_shader_for(struct rib_reader *reader, struct rib_shader **place) {
     const char *name;
     warn_in_object(reader);
     if (!rib_read_string(reader, "name of the shader", &name))
@@ -182,8 +182,20 @@ bool read_surface(struct rib_reader *reader) {
     struct rib_shader *shader = read_shader(reader, name);
     if (!shader)
         return false;
-    graphics_state_set_surface(&reader->state, shader);
+    graphics_state_set_shader(place, shader);
     return true;
+}
+
+bool read_surface(struct rib_reader *reader) {
+    return read_shader_for(reader, &reader->state.surface);
+}
+
+bool read_displacement(struct rib_reader *reader) {
+    return read_shader_for(reader, &reader->state.displacement);
+}
+
+bool read_atmosphere(struct rib_reader *reader) {
+    return read_shader_for(reader, &reader->state.atmosphere);
 }
 
 /* Lights live until the world or frame that defines them ends. */

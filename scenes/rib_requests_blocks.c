@@ -96,6 +96,7 @@ bool read_world_end(struct rib_reader *reader) {
     int scope = reader->in_frame ? 1 : 0;
     handle_table_leave(&reader->lights, scope);
     handle_table_leave(&reader->objects, scope);
+    rib_leave_spaces(reader);
     reader->in_world = false;
     reader->archives_read = 0;
     reader->frame_is_ready = true;

@@ -13,7 +13,19 @@
 /* One frame of a scene as the host sends it to the cluster: a camera, lights, surfaces, and
  * triangle meshes in camera space. Whatever the file format, a reader ends here. */
 
-enum scene_type { SCENE_FLOAT, SCENE_COLOR, SCENE_POINT, SCENE_VECTOR, SCENE_NORMAL, SCENE_STRING };
+enum scene_type {
+    SCENE_FLOAT,
+    SCENE_COLOR,
+    SCENE_POINT,
+    SCENE_VECTOR,
+    SCENE_NORMAL,
+    SCENE_STRING,
+    SCENE_MATRIX
+};
+/* Floats of one value; 1 for a string. */
+static inline int scene_type_components(enum scene_type type) {
+    return type == SCENE_FLOAT || type == SCENE_STRING ? 1 : type == SCENE_MATRIX ? 16 : 3;
+}
 
 /* Where in the input something was said; `file` lives as long as the reader. */
 struct scene_location {
@@ -52,7 +64,8 @@ struct scene_variable {
 };
 
 struct scene_mesh {
-    const struct scene_shader *surface;       /* NULL: the default surface */
+    const struct scene_shader *surface;                   /* NULL: the default surface */
+    const struct scene_shader *displacement, *atmosphere; /* NULL: none */
     const struct scene_shader *const *lights; /* those switched on for it, in order of definition */
     int light_count;
     float color[3], opacity[3];
@@ -81,6 +94,12 @@ struct scene_camera {
     double near_plane, far_plane; /* camera z range that is visible; far may be infinite */
 };
 
+/* A coordinate system that the scene gave a name. */
+struct scene_space {
+    const char *name;
+    struct mat4 to_camera;
+};
+
 struct scene_frame {
     struct arena arena;       /* owns everything below */
     int number;               /* of FrameBegin; 1 without */
@@ -88,6 +107,8 @@ struct scene_frame {
     struct scene_camera camera;
     struct scene_shader **lights; /* every light of the frame, in order of definition */
     int light_count;
+    struct scene_space *spaces;
+    int space_count;
     struct scene_mesh *meshes; /* in scene order: primitive numbers count through them */
     size_t mesh_count;
 };

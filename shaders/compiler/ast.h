@@ -148,6 +148,7 @@ struct ast_statement {
     struct ast_expression *expression, *initial, *step;
     struct ast_expression *arguments;
     int argument_count;
+    const char *category; /* of an illuminance, NULL: any light */
     struct ast_statement *body, *otherwise;
     struct ast_symbol *symbol;
     struct ast_function *function;

@@ -68,11 +68,6 @@ const char *builtin_neutral(enum builtin_id id, float *value) {
     switch (id) {
     case BUILTIN_PRINTF:
         return "is ignored";
-    case BUILTIN_FORMAT:
-    case BUILTIN_CONCAT:
-        return "makes strings while compiling only; this one is empty";
-    case BUILTIN_MATCH:
-        return "is always 0: there are no patterns";
     case BUILTIN_SHADERNAME:
         return "is always empty";
     case BUILTIN_TEXTURE:
@@ -87,16 +82,10 @@ const char *builtin_neutral(enum builtin_id id, float *value) {
         return "is always 0: there are no image textures";
     case BUILTIN_TRACE:
         return "is always 0: there is no ray tracing";
-    case BUILTIN_LIGHTSOURCE:
-    case BUILTIN_SURFACE:
-    case BUILTIN_DISPLACEMENT:
-    case BUILTIN_ATMOSPHERE:
-    case BUILTIN_INCIDENT:
-    case BUILTIN_OPPOSITE:
     case BUILTIN_ATTRIBUTE:
     case BUILTIN_OPTION:
     case BUILTIN_RENDERERINFO:
-        return "is always 0: shaders cannot ask about others";
+        return "is always 0: the scene cannot be asked";
     default:
         return NULL;
     }

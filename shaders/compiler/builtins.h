@@ -134,6 +134,10 @@ extern const struct builtin builtins[BUILTIN_COUNT];
 const char *builtin_neutral(enum builtin_id id, float *value);
 
 const struct builtin *builtin_find(const char *name);
+/* lightsource() and the like, that ask another shader. */
+static inline bool builtin_is_message(enum builtin_id id) {
+    return id >= BUILTIN_LIGHTSOURCE && id <= BUILTIN_OPPOSITE;
+}
 /* A function of the language that this machine cannot carry out: the reason to give where code that
  * runs calls it, else NULL. */
 const char *builtin_refusal(enum builtin_id id);

@@ -170,6 +170,27 @@ static bool can_ask_lights(enum shader_kind kind, bool is_illuminance) {
     return !is_illuminance || kind == SHADER_KIND_SURFACE || kind == SHADER_KIND_VOLUME;
 }
 
+/* illuminance(["category",] ... [, "name", value ...]): takes the category out of the arguments,
+ * and drops what is named at their end. */
+static void check_category(struct checker *k, struct ast_statement *s) {
+    struct ast_expression **link = &s->arguments;
+    if (s->arguments && s->arguments->type == TYPE_STRING) {
+        s->category = s->arguments->kind == EXPRESSION_STRING ? s->arguments->name : NULL;
+        if (!s->category)
+            compile_warning(k->c, &s->arguments->at,
+                            "a category that is not written out is ignored; every light matches");
+        s->arguments = s->arguments->next;
+        s->argument_count--;
+    }
+    while (*link && (*link)->type != TYPE_STRING)
+        link = &(*link)->next;
+    if (*link)
+        compile_warning(k->c, &(*link)->at, "what illuminance is told here has no effect");
+    for (struct ast_expression *a = *link; a; a = a->next)
+        s->argument_count--;
+    *link = NULL;
+}
+
 /* Arguments of illuminance ([category,] position [, axis, angle]), illuminate (from [, axis,
  * angle]) and solar
  * ([axis, angle]). */
@@ -182,19 +203,16 @@ static void check_lighting(struct checker *k, struct ast_statement *s) {
         compile_error(k->c, &s->at, "%s belongs into a %s shader", name,
                       is_surface && s->kind != STATEMENT_ILLUMINANCE ? "light" : "surface");
     check_each(k, &s->arguments);
-    if (s->kind == STATEMENT_ILLUMINANCE && s->arguments && s->arguments->type == TYPE_STRING) {
-        compile_warning(k->c, &s->arguments->at,
-                        "light categories are ignored; every light matches");
-        s->arguments = s->arguments->next;
-        s->argument_count--;
-    }
+    if (s->kind == STATEMENT_ILLUMINANCE)
+        check_category(k, s);
     static const enum ast_type wanted[3] = {TYPE_POINT, TYPE_VECTOR, TYPE_FLOAT};
     int first = s->kind == STATEMENT_SOLAR ? 1 : 0, at = first;
     if (s->argument_count != 3 - first && s->argument_count != 1 - first)
         compile_error(k->c, &s->at, "%s takes (%s) or (%saxis, angle)", name,
                       first ? "" : "position", first ? "" : "position, ");
     else if (first && !s->argument_count)
-        compile_error(k->c, &s->at, "solar without an axis is not supported");
+        compile_warning(k->c, &s->at,
+                        "solar without an axis shines from everywhere: its light is ambient");
     for (struct ast_expression **a = &s->arguments; *a && at < 3; a = &(*a)->next, at++) {
         struct ast_expression *next = (*a)->next;
         *a = check_convert(k, *a, wanted[at]);

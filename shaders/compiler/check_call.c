@@ -78,13 +78,13 @@ static void check_color_spaces(struct checker *k, struct ast_expression *e) {
                           "ctransform knows the color spaces " COLOR_SPACES ", written out");
 }
 
-/* concat and format of strings written out are strings written out; false when they cannot be. */
-static bool fold_strings(struct checker *k, struct ast_expression *e) {
+/* concat and format of strings written out are strings written out. */
+static void fold_strings(struct checker *k, struct ast_expression *e) {
     size_t length = 0, at = 0;
     bool is_format = e->builtin->id == BUILTIN_FORMAT;
     for (const struct ast_expression *a = e->arguments; a; a = a->next) {
         if (!is_literal(a) || (is_format && (a->next || strchr(a->name, '%'))))
-            return false;
+            return;
         length += strlen(a->name);
     }
     char *text = compilation_get(k->c, length + 1);
@@ -94,16 +94,29 @@ static bool fold_strings(struct checker *k, struct ast_expression *e) {
     }
     e->kind = EXPRESSION_STRING;
     e->name = text;
-    return true;
 }
 
 static void check_neutral(struct checker *k, struct ast_expression *e) {
     float value;
     const char *reason = builtin_neutral(e->builtin->id, &value);
-    bool is_string = e->builtin->id == BUILTIN_FORMAT || e->builtin->id == BUILTIN_CONCAT;
-    if (reason && !(is_string && fold_strings(k, e)))
+    if (reason)
         compile_warning(k->c, &e->at, e->builtin->id == BUILTIN_PRINTF ? "%s %s" : "%s() %s",
                         e->name, reason);
+}
+
+static void check_strings(struct checker *k, struct ast_expression *e) {
+    if (e->builtin->id == BUILTIN_FORMAT && !is_literal(e->arguments))
+        compile_error(k->c, &e->arguments->at, "the text of format() must be written out");
+    else
+        fold_strings(k, e);
+}
+
+/* surface("name", x) and the like: the name is written out, x a variable. */
+static void check_message(struct checker *k, struct ast_expression *e) {
+    if (!is_literal(e->arguments))
+        compile_error(k->c, &e->arguments->at, "the name that %s() asks for must be written out",
+                      e->name);
+    check_written(k, e->arguments->next);
 }
 
 /* The one type of a spline's values: the first that is said, or what the context wants of (x, y,
@@ -177,7 +190,9 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         *a = check_expression(k, *a, TYPE_ERROR);
         (*a)->next = next;
         is_wrong |= (*a)->type == TYPE_ERROR;
-        if ((*a)->array_length && !is_neutral && builtin->id != BUILTIN_SPLINE) {
+        bool takes_array = is_neutral || builtin->id == BUILTIN_SPLINE ||
+                           builtin_is_message(builtin->id) || builtin_refusal(builtin->id);
+        if ((*a)->array_length && !takes_array) {
             compile_error(k->c, &(*a)->at, "%s() does not take an array", e->name);
             is_wrong = true;
         }
@@ -219,7 +234,22 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         e->type = fixed_call_type(builtin->id, types, count);
     if (builtin->id == BUILTIN_CTRANSFORM)
         check_color_spaces(k, e);
-    check_neutral(k, e);
+    switch (builtin->id) {
+    case BUILTIN_FORMAT:
+    case BUILTIN_CONCAT:
+        check_strings(k, e);
+        break;
+    case BUILTIN_LIGHTSOURCE:
+    case BUILTIN_SURFACE:
+    case BUILTIN_DISPLACEMENT:
+    case BUILTIN_ATMOSPHERE:
+    case BUILTIN_INCIDENT:
+    case BUILTIN_OPPOSITE:
+        check_message(k, e);
+        break;
+    default:
+        check_neutral(k, e);
+    }
     return e;
 }
 

@@ -107,6 +107,10 @@ static bool is_same(const struct ir_node *known, const struct ir_node *node) {
         known->parameter != node->parameter || known->is_fast != node->is_fast ||
         known->is_free != node->is_free || !same_results(known, node))
         return false;
+    const bool asks_neighbours =
+        node->operation == IR_DIFFERENCE_X || node->operation == IR_DIFFERENCE_Y;
+    if (asks_neighbours && known->list != node->list)
+        return false; /* other neighbours may take part there */
     for (int i = 0; i < IR_OPERANDS_MAX; i++)
         if (!same_operand(&known->operands[i], &node->operands[i]))
             return false;

@@ -23,6 +23,7 @@ enum {
                                 after inlining */
     INSTRUCTION_COUNT_MAX = 200000,
     ARRAY_FLOATS_MAX = 65536, /* of one array, and of all arrays of a shader after inlining */
+    LIGHT_SETS_MAX = 16,      /* places of which the lights are wanted */
     ERROR_COUNT_MAX = 8,
     WARNING_COUNT_MAX = 64,
     INCLUDE_DEPTH_MAX = 32,

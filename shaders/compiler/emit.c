@@ -71,10 +71,20 @@ static const char *const support[] = {
     "    vi mask;\n"
     "    __builtin_memcpy(&mask, bits, sizeof mask);\n"
     "    return mask;\n}\n\n",
-    "SHADER_HELPER const float *shader_matrix(const float (*spaces)[16], int32_t space) {\n"
+    "SHADER_HELPER const float *shader_matrix(const struct shader_matrices *all, int "
+    "is_to_camera,\n"
+    "                                         int32_t space) {\n"
     "    static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};\n"
-    "    return space > SHADER_SPACE_CAMERA && space < SHADER_SPACE_COUNT ? spaces[space] : "
-    "identity;\n}\n\n",
+    "    if (space > SHADER_SPACE_CAMERA && space < SHADER_SPACE_COUNT)\n"
+    "        return is_to_camera ? all->to_camera[space] : all->from_camera[space];\n"
+    "    for (int i = 0; i < all->named_count; i++)\n"
+    "        if (all->named[i].name == space)\n"
+    "            return is_to_camera ? all->named[i].to_camera : all->named[i].from_camera;\n"
+    "    return identity;\n}\n\n",
+    "SHADER_HELPER float *shader_light_result(const struct shader_call *call, int set, int light) "
+    "{\n"
+    "    return call->light_scratch + ((size_t)set * (size_t)call->light_count + (size_t)light) *\n"
+    "           (size_t)call->light_vectors * SHADER_WIDTH;\n}\n\n",
     "SHADER_HELPER uint64_t shader_key(uint64_t key, uint64_t step) {\n"
     "    key = (key ^ step) * 0x9e3779b97f4a7c15u;\n"
     "    key = (key ^ (key >> 29)) * 0xbf58476d1ce4e5b9u;\n"
@@ -187,11 +197,12 @@ static void emit_prepare(struct emitter *e) {
     e->in_prepare = true;
     e->mask = e->loop_mask = -1;
     emit_text(
-        e,
-        "static void shader_prepare(const float *bound, const uint8_t *given,\n"
-        "                           const struct shader_matrices *matrices, float *uniform) {\n");
+        e, "static void shader_prepare(const float *bound, const uint8_t *given,\n"
+           "                           const struct shader_matrices *matrices, struct shader_texts "
+           "*texts,\n"
+           "                           float *uniform) {\n");
     e->indent = 1;
-    emit_line(e, "(void)bound, (void)given, (void)matrices, (void)uniform;");
+    emit_line(e, "(void)bound, (void)given, (void)matrices, (void)texts, (void)uniform;");
     if (e->ir->has_prepare_loop) {
         e->steps = e->next_number++;
         emit_line(e, "int overrun = 0;");
@@ -226,14 +237,29 @@ static void emit_variables(struct emitter *e) {
                   e->in_light ? "*overrun" : "call->overrun");
 }
 
-/* Lights run once per vector of samples, before anything that could need them; every illuminance
- * and ambient() reads what they left. */
+/* Runs one light for the vector at hand; set `number` of the results. */
+static void emit_run_light(struct emitter *e, const char *key) {
+    emit_line(e, "    struct shader_light_sample sample;");
+    emit_line(e, "    for (int c = 0; c < 3; c++) {");
+    emit_line(e, "        sample.direction[c] = result + c * SHADER_WIDTH;");
+    emit_line(e, "        sample.color[c] = result + (3 + c) * SHADER_WIDTH;");
+    emit_line(e, "    }");
+    emit_line(e, "    sample.lit = (int32_t *)(void *)(result + 6 * SHADER_WIDTH);");
+    emit_line(e,
+              "    sample.exports = call->light_vectors > 7 ? result + 7 * SHADER_WIDTH : NULL;");
+    emit_line(e, "    light->module->light(light, position, %s, &sample, &call->overrun);", key);
+}
+
+/* Lights run once per vector of samples, before anything that could need them; every illuminance at
+ * the position of the sample and ambient() reads what they left. */
 static void emit_run_lights(struct emitter *e) {
-    bool runs_all = e->ir->uses_ambient && e->ir->uses_illuminance;
+    bool runs_all = e->ir->uses_ambient && e->ir->uses_shared_lights;
     emit_line(e, "vf ambient[3] SHADER_UNUSED = {{0}, {0}, {0}};");
+    if (!e->ir->uses_ambient && !e->ir->uses_shared_lights)
+        return;
     emit_line(e, "for (int i = 0; i < call->light_count; i++) {");
     emit_line(e, "    const struct shader_light *light = &call->lights[i];");
-    emit_line(e, "    float *result = call->light_scratch + (size_t)i * 7 * SHADER_WIDTH;");
+    emit_line(e, "    float *result = shader_light_result(call, 0, i);");
     if (!runs_all) {
         emit_line(e, "    if (%slight->module->is_ambient)", e->ir->uses_ambient ? "!" : "");
         emit_line(e, "        continue;");
@@ -241,13 +267,7 @@ static void emit_run_lights(struct emitter *e) {
     emit_line(
         e, "    const float *const position[3] = {call->position[0] + at, call->position[1] + at,");
     emit_line(e, "                                      call->position[2] + at};");
-    emit_line(e, "    struct shader_light_sample sample;");
-    emit_line(e, "    for (int c = 0; c < 3; c++) {");
-    emit_line(e, "        sample.direction[c] = result + c * SHADER_WIDTH;");
-    emit_line(e, "        sample.color[c] = result + (3 + c) * SHADER_WIDTH;");
-    emit_line(e, "    }");
-    emit_line(e, "    sample.lit = (int32_t *)(void *)(result + 6 * SHADER_WIDTH);");
-    emit_line(e, "    light->module->light(light, position, 1, &sample, &call->overrun);");
+    emit_run_light(e, "1");
     if (e->ir->uses_ambient) {
         emit_line(e, "    if (light->module->is_ambient)");
         emit_line(e, "        for (int c = 0; c < 3; c++)");
@@ -256,11 +276,37 @@ static void emit_run_lights(struct emitter *e) {
     emit_line(e, "}");
 }
 
+void emit_lights_at(struct emitter *e, struct ir_node *node) {
+    int number = e->next_number++;
+    emit_line(e, "_Alignas(64) float p%d[3][SHADER_WIDTH];", number);
+    for (int c = 0; c < 3; c++) {
+        emit_text(e, "%*svf_store(p%d[%d], ", e->indent * 4, "", number, c);
+        emit_operand(e, &node->operands[c], true);
+        emit_text(e, ");\n");
+    }
+    emit_line(e, "for (int i = 0; i < call->light_count; i++) {");
+    emit_line(e, "    const struct shader_light *light = &call->lights[i];");
+    emit_line(e, "    float *result = shader_light_result(call, %d, i);", node->index);
+    emit_line(e, "    if (light->module->is_ambient)");
+    emit_line(e, "        continue;");
+    emit_line(e, "    const float *const position[3] = {p%d[0], p%d[1], p%d[2]};", number, number,
+              number);
+    char key[48];
+    snprintf(key, sizeof key, "shader_key(k%d ^ call->instance, %du)", e->key,
+             (unsigned)node->index + 1);
+    emit_line(e, "    shader_report(light->counters, 0, %s, 1);", key);
+    emit_run_light(e, key);
+    emit_line(e, "}");
+    emit_line(e, "v%d = shader_mask(1);", node->results[0]->id);
+    emit_line(e, "(void)v%d;", node->results[0]->id);
+}
+
 static void emit_shade(struct emitter *e) {
     emit_text(e, "static void shade_vector(struct shader_call *call, size_t at) {\n");
     e->indent = 1;
     emit_line(e, "const float *uniform SHADER_UNUSED = call->uniform;");
     emit_line(e, "const struct shader_matrices *matrices SHADER_UNUSED = call->matrices;");
+    emit_line(e, "struct shader_texts *texts SHADER_UNUSED = call->texts;");
     emit_variables(e);
     emit_line(e, "const uint64_t k%d SHADER_UNUSED = 0;", e->key);
     if (e->ir->uses_neighbours)
@@ -292,6 +338,7 @@ static void emit_light(struct emitter *e) {
     e->indent = 1;
     emit_line(e, "const float *uniform SHADER_UNUSED = self->uniform;");
     emit_line(e, "const struct shader_matrices *matrices SHADER_UNUSED = self->matrices;");
+    emit_line(e, "struct shader_texts *texts SHADER_UNUSED = self->texts;");
     emit_line(e, "(void)position, (void)overrun;");
     emit_variables(e);
     emit_line(e, "const uint64_t k%d SHADER_UNUSED = key;", e->key);
@@ -303,7 +350,75 @@ static void emit_light(struct emitter *e) {
         emit_line(e, "vf_store(sample->color[%d], vf_canonical(v%d));", i, e->ir->color[i]->id);
     emit_line(e, "__builtin_memcpy(sample->lit, &v%d, sizeof v%d);", e->ir->lit->id,
               e->ir->lit->id);
+    for (int i = 0, at = 0; i < e->ir->export_count; i++)
+        for (int c = 0; c < e->ir->exports[i].components; c++)
+            emit_line(e,
+                      "if (sample->exports)\n        vf_store(sample->exports + %d * SHADER_WIDTH, "
+                      "vf_canonical(v%d));",
+                      at++, e->ir->exports[i].value[c]->id);
     emit_text(e, "}\n\n");
+}
+
+static void emit_quoted(struct emitter *e, const char *text) {
+    emit_text(e, "\"");
+    for (; *text; text++)
+        emit_text(e, *text >= ' ' && *text < 127 && !strchr("\\\"?", *text) ? "%c" : "\\%03o",
+                  (unsigned char)*text);
+    emit_text(e, "\"");
+}
+
+static void emit_messages(struct emitter *e, const char *table, const struct ir_message *messages,
+                          int count) {
+    emit_text(e, "static const struct shader_message %s[] = {\n", table);
+    for (int i = 0; i < count; i++) {
+        emit_text(e, "    {");
+        emit_quoted(e, messages[i].name);
+        emit_text(e, ", %d},\n", messages[i].components);
+    }
+    emit_text(e, "    {0, 0},\n};\n\n");
+}
+
+/* Strings, categories and questions, as far as there are any. */
+static void emit_tables(struct emitter *e) {
+    struct ir_program *ir = e->ir;
+    if (ir->uses_texts) {
+        emit_text(e, "static const char *const shader_text_table[] = {\n");
+        for (const struct ir_text *t = ir->texts; t; t = t->next) {
+            emit_text(e, "    ");
+            emit_quoted(e, t->text);
+            emit_text(e, ",\n");
+        }
+        emit_text(e, "};\n\n");
+    }
+    if (ir->category_count) {
+        emit_text(e, "static const char *const shader_categories[] = {\n");
+        for (int i = 0; i < ir->category_count; i++) {
+            emit_text(e, "    ");
+            emit_quoted(e, ir->categories[i]);
+            emit_text(e, ",\n");
+        }
+        emit_text(e, "};\n\n");
+    }
+    if (ir->query_count)
+        emit_messages(e, "shader_queries", ir->queries, ir->query_count);
+    if (ir->export_count)
+        emit_messages(e, "shader_exports", ir->exports, ir->export_count);
+}
+
+static void emit_table_fields(struct emitter *e) {
+    struct ir_program *ir = e->ir;
+    if (ir->uses_texts)
+        emit_text(e,
+                  "    .uses_texts = 1,\n    .text_count = %d,\n    .texts = shader_text_table,\n",
+                  ir->text_count);
+    if (ir->category_count)
+        emit_text(e, "    .category_count = %d,\n    .categories = shader_categories,\n",
+                  ir->category_count);
+    if (ir->query_count)
+        emit_text(e, "    .query_count = %d,\n    .queries = shader_queries,\n", ir->query_count);
+    if (ir->export_count)
+        emit_text(e, "    .export_count = %d,\n    .exports = shader_exports,\n", ir->export_count);
+    emit_text(e, "    .light_sets = %d,\n", ir->light_sets);
 }
 
 static void emit_blocks(struct emitter *e) {
@@ -336,6 +451,7 @@ static void emit_module(struct emitter *e) {
     emit_text(e, "    .block_count = %d,\n    .blocks = shader_blocks,\n", e->ir->block_count);
     emit_text(e, "    .uses_lights = %d,\n", e->ir->uses_ambient || e->ir->uses_illuminance);
     emit_text(e, "    .uses_neighbours = %d,\n", e->ir->uses_neighbours);
+    emit_table_fields(e);
     emit_text(e, "    .prepare = shader_prepare,\n");
     emit_text(e, is_light ? "    .light = shader_light_run,\n" : "    .shade = shader_shade,\n");
     emit_text(e, "};\n");
@@ -368,5 +484,6 @@ void pass_emit(struct ir_program *ir) {
     else
         emit_shade(e);
     emit_blocks(e);
+    emit_tables(e);
     emit_module(e);
 }

@@ -32,6 +32,8 @@ void emit_fixed(struct emitter *e, const struct ir_node *node, bool is_vector);
 void emit_fixed_constant(struct emitter *e, int64_t raw);
 /* The declarations of a list, then its nodes (of the top level: those of this function). */
 void emit_list(struct emitter *e, struct ir_list *list);
+/* LIGHTS_AT, emit.c */
+void emit_lights_at(struct emitter *e, struct ir_node *node);
 void emit_declaration(struct emitter *e, struct ir_variable *variable);
 
 #endif

@@ -182,6 +182,11 @@ static void emit_varying_loop(struct emitter *e, struct ir_node *node) {
     emit_report(e, node->block, entry, false, "n", number);
 }
 
+/* The set of results: the one that the condition was made with. */
+static int light_set_of(const struct ir_node *node) {
+    return node->condition.kind == OPERAND_VARIABLE ? node->light_set : 0;
+}
+
 /* One pass per directional light over what the lights left in the scratch area. */
 static void emit_illuminance(struct emitter *e, struct ir_node *node) {
     struct emitter outer = *e;
@@ -192,8 +197,13 @@ static void emit_illuminance(struct emitter *e, struct ir_node *node) {
     e->indent++;
     emit_line(e, "if (call->lights[i%d].module->is_ambient)", number);
     emit_line(e, "    continue;");
-    emit_line(e,
-              "const float *light_result = call->light_scratch + (size_t)i%d * 7 * SHADER_WIDTH;",
+    if (node->category >= 0) {
+        emit_line(e, "if (!(call->lights[i%d].categories >> %d & 1))", number, node->category);
+        emit_line(e, "    continue;");
+    }
+    emit_line(e, "const float *light_result SHADER_UNUSED = shader_light_result(call, %d, i%d);",
+              light_set_of(node), number);
+    emit_line(e, "const struct shader_light *this_light SHADER_UNUSED = &call->lights[i%d];",
               number);
     if (e->mask >= 0)
         emit_line(e, "const vi m%d = m%d & shader_load_mask(light_result + 6 * SHADER_WIDTH);",

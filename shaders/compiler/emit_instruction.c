@@ -57,6 +57,10 @@ static void emit_pattern(struct emitter *e, const struct ir_node *node, const ch
             continue;
         }
         pattern++;
+        if (*pattern == 'M' && e->mask >= 0)
+            emit_text(e, " & m%d", e->mask);
+        if (*pattern == 'M')
+            continue;
         if (*pattern == 'F')
             emit_text(e, "%s", node->is_fast ? "_fast" : "");
         else
@@ -188,9 +192,17 @@ static bool emit_input(struct emitter *e, struct ir_node *node) {
         emit_text(e, "vf_load(light_result + %d * SHADER_WIDTH)",
                   index + (node->operation == IR_LIGHT_COLOR ? 3 : 0));
         break;
+    case IR_LIGHT_KNOWS:
+        emit_text(e, "this_light->query_offsets[%d] >= 0", index / 3);
+        break;
+    case IR_LIGHT_VALUE:
+        emit_text(e,
+                  "(this_light->query_offsets[%d] >= 0 ? vf_load(light_result + "
+                  "(this_light->query_offsets[%d] + %d) * SHADER_WIDTH) : vf_set(0.0f))",
+                  index / 3, index / 3, index % 3);
+        break;
     default:
-        emit_text(e, "shader_matrix(matrices->%s, ",
-                  node->operation == IR_FROM_CAMERA ? "from_camera" : "to_camera");
+        emit_text(e, "shader_matrix(matrices, %d, ", node->operation == IR_TO_CAMERA);
         emit_operand(e, &node->operands[0], false);
         emit_text(e, ")[%d]", index);
     }
@@ -231,6 +243,10 @@ void emit_instruction(struct emitter *e, struct ir_node *node) {
     }
     if (node->operation == IR_ARRAY_STORE) {
         emit_array_store(e, node);
+        return;
+    }
+    if (node->operation == IR_LIGHTS_AT) {
+        emit_lights_at(e, node);
         return;
     }
     if (emit_input(e, node))

@@ -49,7 +49,7 @@ struct ir_node *ir_node_new(struct ir_program *ir, struct ir_list *list, enum ir
     node->kind = kind;
     node->at = at;
     node->list = list;
-    node->block = node->block_otherwise = -1;
+    node->block = node->block_otherwise = node->category = -1;
     if (list->last)
         list->last->next = node;
     else
@@ -109,6 +109,8 @@ bool ir_instruction_reads_varying(const struct ir_node *node) {
     case IR_AMBIENT:
     case IR_LIGHT_DIRECTION:
     case IR_LIGHT_COLOR:
+    case IR_LIGHT_VALUE:
+    case IR_LIGHTS_AT:
         return true;
     case IR_ARRAY_LOAD:
         if (node->array->is_varying)
@@ -179,6 +181,9 @@ int ir_results(const struct ir_program *ir, struct ir_variable *results[IR_RESUL
         results[count++] = ir->direction[i];
     if (ir->kind == SHADER_KIND_LIGHT)
         results[count++] = ir->lit;
+    for (int e = 0; e < ir->export_count; e++)
+        for (int i = 0; i < ir->exports[e].components; i++)
+            results[count++] = ir->exports[e].value[i];
     return count;
 }
 

@@ -104,14 +104,33 @@ struct ir_node {
     bool is_fast; /* takes the fast version of a mathematical function */
     /* if (condition) body else otherwise
      * loop: test; leave unless condition; body
-     * illuminance: body once per light, for the samples it lights */
+     * illuminance: body once per light, for the samples it lights; the condition is of LIGHTS_AT,
+     * or none for lights at the position of the sample */
     struct ir_operand condition;
     struct ir_list *test, *body, *otherwise;
     bool is_varying; /* the samples may go different ways */
     bool is_live, is_prepared;
+    int light_set;              /* of an illuminance whose condition is of LIGHTS_AT: its index */
+    int category;               /* of an illuminance: number in ir->categories, -1: all lights */
     int block, block_otherwise; /* -1: none of its own */
     bool has_blocks;            /* a counted block inside */
     enum shader_stream stream;
+};
+
+/* A string written out that run-time code may need the text of. */
+struct ir_text {
+    int32_t identity;
+    const char *text;
+    struct ir_text *next;
+};
+
+enum { NAMED_SPACES_MAX = 64, CATEGORIES_MAX = 64, QUERIES_MAX = 64, EXPORTS_MAX = 32 };
+
+/* What lightsource("name", x) asks of lights, and what a light offers. */
+struct ir_message {
+    const char *name;
+    int components;
+    struct ir_variable *value[3]; /* of an offer */
 };
 
 struct ir_program {
@@ -128,6 +147,22 @@ struct ir_program {
     struct ir_variable *lit;          /* of a light */
     bool is_ambient;                  /* a light without illuminate and solar */
     bool uses_illuminance, uses_ambient;
+    bool uses_shared_lights; /* at the position of the sample */
+    bool uses_texts;         /* strings are made at run time */
+    struct ir_text *texts;
+    int text_count;
+    const char *categories[CATEGORIES_MAX];
+    int category_count;
+    struct ir_message queries[QUERIES_MAX], exports[EXPORTS_MAX];
+    int query_count, export_count;
+    /* Coordinate systems of the scene that are written out; any: one is chosen at run time. */
+    struct {
+        const char *name;
+        bool is_used;
+    } named_spaces[NAMED_SPACES_MAX];
+    int named_space_count;
+    bool uses_any_space;
+    int light_sets;       /* sets of results of lights, the shared one included */
     bool uses_neighbours; /* differences between samples */
     uint32_t spaces;
     int uniform_count;     /* floats of the uniform block */
@@ -143,7 +178,7 @@ static inline int ir_slot_floats(const struct ir_variable *variable) {
 }
 
 /* The results of the program: Ci; or L, Cl and lit; or P and N. */
-enum { IR_RESULTS_MAX = 7 };
+enum { IR_RESULTS_MAX = 7 + 3 * EXPORTS_MAX };
 int ir_results(const struct ir_program *ir, struct ir_variable *results[IR_RESULTS_MAX]);
 /* Puts others in their place, in the same order. */
 void ir_set_results(struct ir_program *ir, struct ir_variable *const *results);

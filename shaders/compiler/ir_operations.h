@@ -8,9 +8,10 @@
  * X(NAME, result and operand types, operation, scalar C, vector C). Types: f float, b condition, s
  * string identity, x fixed-point, * whatever the array holds; the first letter is the result ('3'
  * is three floats, each wanted or not; '0' none). In the C, $0 $1 $2 are operands, $F is "_fast"
- * when asked for. Rows with no C are written by emit_instruction.c itself, those of fixed-point by
- * emit_fixed.c; what a fixed-point operation costs follows from the sizes (price_fixed.c). Its
- * result is the exact one, rounded down to the exponent of the result and cut to its size. */
+ * when asked for, $M "& mask" in varying control flow. Rows with no C are written by
+ * emit_instruction.c itself, those of fixed-point by emit_fixed.c; what a fixed-point operation
+ * costs follows from the sizes (price_fixed.c). Its result is the exact one, rounded down to the
+ * exponent of the result and cut to its size. */
 #define IR_OPERATIONS(X)                                                                           \
     X(MOVE, "ff", FLOAT_MOVE, "$0", "$0")                                                          \
     X(MOVE_BOOL, "bb", LOGIC, "$0", "$0")                                                          \
@@ -60,12 +61,13 @@
     X(CELLNOISE_3, "3ffff", FLOAT_NOISE, "sf_cellnoise_3($0, $1, $2, $3, ",                        \
       "vf_cellnoise_3($0, $1, $2, $3, ")                                                           \
     X(RANDOM, "fffff", FLOAT_NOISE, "sf_random($0, $1, $2, $3)", "vf_random($0, $1, $2, $3)")      \
-    /* Between a sample and its neighbour in the quad: the one pair of operations in which lanes   \
-     * see each other, so they may not move into or out of control flow. */                        \
+    /* Between a sample and its neighbour in the quad, as far as both take part in the control     \
+     * flow around: lanes see each other, so these two may not move into or out of control flow.   \
+     */                                                                                            \
     X(DIFFERENCE_X, "ff", FLOAT_DIFFERENCE, "shader_no_difference($0)",                            \
-      "shader_difference_x($0, present)")                                                          \
+      "shader_difference_x($0, present$M)")                                                        \
     X(DIFFERENCE_Y, "ff", FLOAT_DIFFERENCE, "shader_no_difference($0)",                            \
-      "shader_difference_y($0, present)")                                                          \
+      "shader_difference_y($0, present$M)")                                                        \
     X(LESS, "bff", FLOAT_COMPARE, "$0 < $1", "$0 < $1")                                            \
     X(LESS_EQUAL, "bff", FLOAT_COMPARE, "$0 <= $1", "$0 <= $1")                                    \
     X(EQUAL, "bff", FLOAT_COMPARE, "$0 == $1", "$0 == $1")                                         \
@@ -100,8 +102,11 @@
     X(FIXED_NOT_EQUAL, "bxx", FREE, NULL, NULL)                                                    \
     X(ARRAY_LOAD, "*f", FLOAT_MOVE, NULL, NULL)   /* result = array[operand 0] */                  \
     X(ARRAY_STORE, "0f*", FLOAT_MOVE, NULL, NULL) /* array[operand 0] = operand 1 */               \
-    X(MATERIAL, "f", FREE, NULL, NULL)            /* component `index` of `parameter` */           \
-    X(BOUND, "f", FREE, NULL, NULL)               /* the same, bound */                            \
+    X(TEXT_JOIN, "sss", FREE, "texts->join(texts, $0, $1)", NULL)                                  \
+    X(TEXT_NUMBER, "ssfs", FREE, "texts->append_number(texts, $0, $1, $2)", NULL)                  \
+    X(TEXT_MATCH, "fss", FREE, "texts->match(texts, $0, $1)", NULL)                                \
+    X(MATERIAL, "f", FREE, NULL, NULL) /* component `index` of `parameter` */                      \
+    X(BOUND, "f", FREE, NULL, NULL)    /* the same, bound */                                       \
     X(BOUND_STRING, "s", FREE, NULL, NULL)                                                         \
     X(GIVEN, "b", FREE, NULL, NULL)    /* whether `parameter` was given */                         \
     X(POSITION, "f", FREE, NULL, NULL) /* component `index` */                                     \
@@ -109,6 +114,11 @@
     X(AMBIENT, "f", FLOAT_MOVE, NULL, NULL)   /* from the communication area of the lights */      \
     X(LIGHT_DIRECTION, "f", FREE, NULL, NULL) /* of the light of the illuminance around it */      \
     X(LIGHT_COLOR, "f", FREE, NULL, NULL)                                                          \
+    /* Runs the lights at a place of its own (operands), as set `index` of results, for the        \
+     * illuminances of which the result is the condition. */                                       \
+    X(LIGHTS_AT, "bfff", FREE, NULL, NULL)                                                         \
+    X(LIGHT_KNOWS, "b", FREE, NULL, NULL)  /* whether the light has what query `query` asks for */ \
+    X(LIGHT_VALUE, "f", FREE, NULL, NULL)  /* its component `index` */                             \
     X(FROM_CAMERA, "fs", FREE, NULL, NULL) /* matrix element `index`; operand 0: the space */      \
     X(TO_CAMERA, "fs", FREE, NULL, NULL)
 

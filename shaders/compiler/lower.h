@@ -39,6 +39,13 @@ struct lowering {
     const struct source_location *site; /* of the call into the prelude, NULL outside of it */
     bool in_default; /* evaluating a parameter's default: points are in shader space */
     struct ir_value light_direction, light_color; /* inside illuminance; count 0 outside */
+    /* The lights at P where P may differ from the position of the sample: run once for the shader
+     * (a condition), or each time anew. */
+    struct ir_operand lights_at_p;
+    int p_light_set, light_set; /* the sets of these, and of the last run of lights */
+    bool position_changes;
+    const struct checked_unit *units; /* all shaders of the program */
+    int unit_count;
     struct ast_function *prelude;
     enum shader_kind kind; /* of the shader being lowered: several may make one program */
     /* Of the predefined variables, by their number in `globals`: shared by all these shaders. */
@@ -138,6 +145,12 @@ void lower_array_convert(struct lowering *l, const struct source_location *at, e
                          const struct ir_value *to, int length, enum ast_type from_type,
                          const struct ir_value *from);
 
+/* lower_text.c */
+/* A string written out. */
+struct ir_operand lower_text(struct lowering *l, const char *text);
+/* concat, format and match */
+struct ir_value lower_text_builtin(struct lowering *l, const struct ast_expression *e);
+
 /* lower_expression.c */
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
 /* lower_builtin.c */
@@ -200,5 +213,12 @@ void lower_statements(struct lowering *l, struct ast_statement *list);
 /* lower_light.c */
 void lower_illuminance(struct lowering *l, struct ast_statement *s);
 void lower_illuminate(struct lowering *l, struct ast_statement *s);
+/* Begins a surface shader: what came before it may have moved P, where the lights are wanted. */
+void lower_lights_begin(struct lowering *l, const struct source_location *at,
+                        bool changes_position);
+/* lower_message.c: lightsource and the like */
+struct ir_value lower_message(struct lowering *l, struct ast_expression *e);
+/* What the light offers to those who ask. */
+void lower_exports(struct lowering *l, const struct ast_function *shader);
 
 #endif

@@ -217,6 +217,17 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     switch (e->builtin->id) {
     case BUILTIN_SPLINE:
         return lower_spline(l, e);
+    case BUILTIN_CONCAT:
+    case BUILTIN_FORMAT:
+    case BUILTIN_MATCH:
+        return lower_text_builtin(l, e);
+    case BUILTIN_LIGHTSOURCE:
+    case BUILTIN_SURFACE:
+    case BUILTIN_DISPLACEMENT:
+    case BUILTIN_ATMOSPHERE:
+    case BUILTIN_INCIDENT:
+    case BUILTIN_OPPOSITE:
+        return lower_message(l, e);
     case BUILTIN_SETXCOMP:
     case BUILTIN_SETYCOMP:
     case BUILTIN_SETZCOMP:

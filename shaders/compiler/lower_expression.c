@@ -18,7 +18,7 @@ static bool is_spaceless_geometry(const struct ast_expression *e, enum ast_type 
 /* In the default value of a parameter (x, y, z) is in shader space, elsewhere in current space. */
 static struct ir_value into_current(struct lowering *l, const struct source_location *at,
                                     enum ast_type type, const struct ir_value *value) {
-    struct ir_operand from = ir_string(SHADER_SPACE_SHADER), to = ir_string(SHADER_SPACE_CURRENT);
+    struct ir_operand from = lower_space(l, at, "shader"), to = ir_string(SHADER_SPACE_CURRENT);
     return lower_transform(l, at, type, &from, &to, value);
 }
 
@@ -299,7 +299,7 @@ static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {
         return scalar(ast_type_is_fixed(e->type) ? lower_fixed_number(e->number)
                                                  : ir_float(e->number));
     case EXPRESSION_STRING:
-        return scalar(ir_string(shader_string_identity(e->name)));
+        return scalar(lower_text(l, e->name));
     case EXPRESSION_NAME:
         return *lower_symbol(l, e->symbol, &e->at);
     case EXPRESSION_INDEX: {

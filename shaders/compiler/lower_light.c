@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/lower.h"
 
+#include <string.h>
+
 /* illuminance in surfaces, illuminate and solar in lights. A cone test is ordinary code: a
  * direction d is in the cone about the unit axis a when d . a >= cos(angle) |d|, which needs no
  * division. */
@@ -54,6 +56,57 @@ static void load_light(struct lowering *l, const struct source_location *at) {
     }
 }
 
+/* Runs the lights at a place; what it gives is the condition of illuminances. */
+static struct ir_operand run_lights(struct lowering *l, const struct source_location *at,
+                                    const struct ir_value *position) {
+    struct ir_operand done =
+        lower_operate(l, at, IR_LIGHTS_AT, position->part[0], position->part[1], position->part[2]);
+    l->list->last->index = l->light_set = l->ir->light_sets++;
+    if (l->ir->light_sets > LIGHT_SETS_MAX)
+        compile_limit(l->c, lower_at(l, at), "lights are wanted at more than %d places",
+                      LIGHT_SETS_MAX);
+    return done;
+}
+
+void lower_lights_begin(struct lowering *l, const struct source_location *at,
+                        bool changes_position) {
+    const struct ast_global *position = global_find("P");
+    l->position_changes = changes_position;
+    l->lights_at_p = (struct ir_operand){0};
+    if (changes_position || !l->global_is_assigned[position - globals] ||
+        (l->kind != SHADER_KIND_SURFACE && l->kind != SHADER_KIND_VOLUME))
+        return;
+    l->lights_at_p = run_lights(l, at, lower_global(l, position, at));
+    l->p_light_set = l->light_set;
+}
+
+/* Where the illuminance wants the lights: none for the position of the sample. */
+static struct ir_operand lights_of(struct lowering *l, struct ast_statement *s) {
+    struct ast_expression *where = s->arguments;
+    bool is_p = where->kind == EXPRESSION_NAME && where->symbol->global &&
+                global_source_in(where->symbol->global, l->kind) == GLOBAL_POSITION;
+    if (is_p && !l->position_changes) {
+        l->light_set = l->p_light_set;
+        return l->lights_at_p;
+    }
+    struct ir_value position = lower_expression(l, where);
+    return run_lights(l, &s->at, &position);
+}
+
+static int category_of(struct lowering *l, struct ast_statement *s) {
+    struct ir_program *ir = l->ir;
+    if (!s->category || !*s->category)
+        return -1;
+    for (int i = 0; i < ir->category_count; i++)
+        if (!strcmp(ir->categories[i], s->category))
+            return i;
+    if (ir->category_count == CATEGORIES_MAX)
+        compile_limit(l->c, lower_at(l, &s->at), "more than %d categories of lights",
+                      CATEGORIES_MAX);
+    ir->categories[ir->category_count] = s->category;
+    return ir->category_count++;
+}
+
 void lower_illuminance(struct lowering *l, struct ast_statement *s) {
     struct ast_expression *axis = s->argument_count == 3 ? s->arguments->next : NULL;
     struct cone cone = {0};
@@ -65,6 +118,9 @@ void lower_illuminance(struct lowering *l, struct ast_statement *s) {
                                                : "illuminance belongs into a surface shader");
         return;
     }
+    if (!s->arguments)
+        return; /* reported by check.c */
+    struct ir_operand lights = lights_of(l, s);
     if (axis)
         cone = lower_cone(l, axis, axis->next);
     if (s->body && s->body->exit_level > 0) {
@@ -72,6 +128,9 @@ void lower_illuminance(struct lowering *l, struct ast_statement *s) {
         lower_move(l, &s->at, loop.broken, ir_bool(false));
     }
     struct ir_node *node = lower_control(l, NODE_ILLUMINANCE, &s->at);
+    node->condition = lights;
+    node->light_set = lights.kind == OPERAND_VARIABLE ? l->light_set : 0;
+    node->category = category_of(l, s);
     struct ir_list *outer = l->list, *scope = l->scope;
     l->ir->uses_illuminance = true;
     l->list = l->scope = node->body;
@@ -100,9 +159,15 @@ void lower_illuminate(struct lowering *l, struct ast_statement *s) {
     struct ir_operand none = {0};
     struct ir_value *direction = lower_global(l, global_find("L"), &s->at);
     struct cone cone = {0};
+    if (!first) { /* solar () */
+        struct ir_list *list = l->list, *scope = l->scope;
+        l->scope = l->list;
+        lower_statement_in(l, s->body);
+        l->list = list;
+        l->scope = scope;
+        return;
+    }
     l->ir->is_ambient = false;
-    if (!first)
-        return; /* reported by check.c */
     struct ir_value value = lower_expression(l, first);
     if (!is_solar) {
         struct ir_value here = {.count = 3};

@@ -4,8 +4,16 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const space_names[SHADER_SPACE_COUNT] = {"current", "camera", "shader", "object",
-                                                            "world"};
+static const char *const space_names[SHADER_SPACE_COUNT] = {"current",
+                                                            "camera",
+                                                            "shader",
+                                                            "object",
+                                                            "world",
+                                                            "shader of the displacement",
+                                                            "shader of the atmosphere",
+                                                            "screen",
+                                                            "NDC",
+                                                            "raster"};
 
 int32_t shader_string_identity(const char *text) {
     for (int i = 0; i < SHADER_SPACE_COUNT; i++)
@@ -17,23 +25,35 @@ int32_t shader_string_identity(const char *text) {
     return (int32_t)((hash & (SHADER_STRING_HASHED - 1)) | SHADER_STRING_HASHED);
 }
 
+/* "shader" is that of the shader being lowered. */
+static int32_t own_space(const struct lowering *l, int32_t identity) {
+    if (identity == SHADER_SPACE_SHADER && l->kind != l->ir->kind)
+        return l->kind == SHADER_KIND_DISPLACEMENT ? SHADER_SPACE_DISPLACEMENT
+                                                   : SHADER_SPACE_ATMOSPHERE;
+    return identity;
+}
+
 struct ir_operand lower_space(struct lowering *l, const struct source_location *at,
                               const char *name) {
     const char *best = NULL;
+    struct ir_program *ir = l->ir;
     int distance = 0;
     int32_t identity = shader_string_identity(name);
     if (identity < SHADER_SPACE_COUNT)
-        return ir_string(identity);
+        return ir_string(own_space(l, identity));
+    for (int i = 0; i < ir->named_space_count; i++)
+        if (!strcmp(ir->named_spaces[i].name, name))
+            return ir_string(identity);
     for (int i = 0; i < SHADER_SPACE_COUNT; i++)
         suggestion_consider(name, space_names[i], &best, &distance);
     if (best)
-        compile_error(l->c, lower_at(l, at), "unknown space \"%.64s\"; did you mean \"%s\"?", name,
-                      best);
-    else
-        compile_error(
-            l->c, lower_at(l, at),
-            "unknown space \"%.64s\"; there are current, camera, shader, object and world", name);
-    return ir_string(SHADER_SPACE_CURRENT);
+        compile_warning(l->c, lower_at(l, at),
+                        "\"%.64s\" is a coordinate system of the scene; did you mean \"%s\"?", name,
+                        best);
+    if (ir->named_space_count == NAMED_SPACES_MAX)
+        compile_limit(l->c, lower_at(l, at), "more than %d coordinate systems", NAMED_SPACES_MAX);
+    ir->named_spaces[ir->named_space_count++].name = name;
+    return ir_string(identity);
 }
 
 static bool is_camera(const struct ir_operand *space) {
@@ -51,45 +71,55 @@ static struct ir_operand element(struct lowering *l, const struct source_locatio
     return result;
 }
 
+/* Whether points of this space divide by their distance. */
+static bool is_projective(const struct ir_operand *space) {
+    return space->kind == OPERAND_STRING && space->identity >= SHADER_SPACE_SCREEN &&
+           space->identity < SHADER_SPACE_COUNT;
+}
+
+/* Component j of p M; `count` elements of a column. */
+static struct ir_operand column_product(struct lowering *l, const struct source_location *at,
+                                        enum ir_operation op, const struct ir_operand *space,
+                                        const struct ir_value *value, int j, bool is_transposed,
+                                        bool is_point) {
+    struct ir_operand sum = {0};
+    for (int i = 0; i < 3; i++) {
+        if (value->part[i].kind == OPERAND_FLOAT && value->part[i].number == 0)
+            continue;
+        struct ir_operand m =
+            element(l, at, op, space, is_transposed ? j : i, is_transposed ? i : j);
+        struct ir_operand term = lower_binary(l, at, IR_MULTIPLY, value->part[i], m);
+        sum = sum.kind ? lower_binary(l, at, IR_ADD, sum, term) : term;
+    }
+    if (is_point) {
+        struct ir_operand m = element(l, at, op, space, 3, j);
+        sum = sum.kind ? lower_binary(l, at, IR_ADD, sum, m) : m;
+    }
+    return sum.kind ? sum : ir_float(0);
+}
+
 /* p' = p M; a normal goes by the transpose of the inverse, which is the matrix the other way. */
 static struct ir_value transform_once(struct lowering *l, const struct source_location *at,
                                       enum ast_type type, enum ir_operation op,
                                       const struct ir_operand *space,
                                       const struct ir_value *value) {
     struct ir_value result = {.count = 3};
-    bool is_normal = type == TYPE_NORMAL;
+    bool is_normal = type == TYPE_NORMAL, is_point = type == TYPE_POINT;
     if (is_normal)
         op = op == IR_TO_CAMERA ? IR_FROM_CAMERA : IR_TO_CAMERA;
-    for (int j = 0; j < 3; j++) {
-        struct ir_operand sum = {0};
-        for (int i = 0; i < 3; i++) {
-            if (value->part[i].kind == OPERAND_FLOAT && value->part[i].number == 0)
-                continue;
-            struct ir_operand m = element(l, at, op, space, is_normal ? j : i, is_normal ? i : j);
-            struct ir_operand term = lower_binary(l, at, IR_MULTIPLY, value->part[i], m);
-            sum = sum.kind ? lower_binary(l, at, IR_ADD, sum, term) : term;
-        }
-        if (type == TYPE_POINT) {
-            struct ir_operand m = element(l, at, op, space, 3, j);
-            sum = sum.kind ? lower_binary(l, at, IR_ADD, sum, m) : m;
-        }
-        result.part[j] = sum.kind ? sum : ir_float(0);
-    }
-    return result;
-}
-
-static void need(struct lowering *l, const struct ir_operand *space) {
-    if (space->kind == OPERAND_STRING)
-        l->ir->spaces |= 1u << space->identity;
-    else
-        l->ir->spaces |= (1u << SHADER_SPACE_COUNT) - 1;
+    for (int j = 0; j < 3; j++)
+        result.part[j] = column_product(l, at, op, space, value, j, is_normal, is_point);
+    if (!is_point || !is_projective(space))
+        return result;
+    struct ir_value w = {.count = 1};
+    w.part[0] = column_product(l, at, op, space, value, 3, false, true);
+    return lower_each(l, at, IR_DIVIDE, &result, &w);
 }
 
 struct ir_operand lower_space_element(struct lowering *l, const struct source_location *at,
                                       const struct ir_operand *space, int index) {
     if (is_camera(space))
         return ir_float(index % 5 ? 0 : 1);
-    need(l, space);
     return element(l, at, IR_TO_CAMERA, space, index / 4, index % 4);
 }
 
@@ -102,11 +132,9 @@ struct ir_value lower_transform(struct lowering *l, const struct source_location
     if (is_same)
         return result;
     if (!is_camera(from)) {
-        need(l, from);
         result = transform_once(l, at, type, IR_TO_CAMERA, from, &result);
     }
     if (!is_camera(to)) {
-        need(l, to);
         result = transform_once(l, at, type, IR_FROM_CAMERA, to, &result);
     }
     return result;

@@ -74,7 +74,7 @@ static struct ir_value global_value(struct lowering *l, const struct ast_global 
                                     const struct source_location *at) {
     int count = ast_type_width(global->type);
     struct ir_value zero = lower_constant(0, 3), axis = zero;
-    struct ir_operand from = ir_string(SHADER_SPACE_SHADER), to = ir_string(SHADER_SPACE_CURRENT);
+    struct ir_operand from = lower_space(l, at, "shader"), to = ir_string(SHADER_SPACE_CURRENT);
     axis.part[2] = ir_float(1);
     switch (global_source_in(global, l->kind)) {
     case GLOBAL_MATERIAL:

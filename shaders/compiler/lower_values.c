@@ -22,6 +22,7 @@ enum ir_type lower_type(enum ast_type type) {
 struct ir_variable *lower_temporary(struct lowering *l, enum ir_type type) {
     struct ir_variable *variable = ir_variable_new(l->ir, l->list, type, NULL);
     variable->is_temporary = true;
+    variable->is_declared_uniform = type == IR_STRING;
     return variable;
 }
 

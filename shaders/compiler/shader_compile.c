@@ -43,16 +43,38 @@ static void finish_program(struct compilation *c, const struct ir_program *ir) {
     program->kind = ir->kind;
     program->is_ambient = ir->is_ambient;
     program->spaces = ir->spaces;
+    program->uses_any_space = ir->uses_any_space;
+    program->named_spaces = arena_get(&program->arena, (size_t)(ir->named_space_count + 1) *
+                                                           sizeof *program->named_spaces);
+    for (int i = 0; i < ir->named_space_count && program->named_spaces; i++)
+        if (ir->named_spaces[i].is_used)
+            program->named_spaces[program->named_space_count++] = arena_copy_string(
+                &program->arena, ir->named_spaces[i].name, strlen(ir->named_spaces[i].name));
+    program->uses_texts = ir->uses_texts;
+    program->query_count = ir->query_count;
+    program->queries =
+        arena_get(&program->arena, (size_t)ir->query_count * sizeof *program->queries);
+    for (int i = 0; i < ir->query_count && program->queries; i++)
+        program->queries[i] =
+            arena_copy_string(&program->arena, ir->queries[i].name, strlen(ir->queries[i].name));
     program->c_source = arena_copy_string(&program->arena, c->output, c->output_length);
     program->c_length = c->output_length;
     program->warnings =
         arena_get(&program->arena, (size_t)c->warning_count * sizeof *program->warnings);
     program->warning_count = c->warning_count;
-    if (!program->c_source || !program->warnings)
+    if (!program->c_source || !program->warnings || !program->queries || !program->named_spaces)
         compile_limit(c, NULL, "the shader needs more memory than the compiler may use");
     if (c->warning_count)
         memcpy(program->warnings, c->warnings,
                (size_t)c->warning_count * sizeof *program->warnings);
+}
+
+static const char *find_category(struct compilation *c, const struct ast_function *shader) {
+    for (const struct ast_symbol *s = shader->formals; s; s = s->next)
+        if (!strcmp(s->name, "__category") && s->initial && s->initial->kind == EXPRESSION_STRING)
+            return arena_copy_string(&c->program->arena, s->initial->name,
+                                     strlen(s->initial->name));
+    return "";
 }
 
 static struct checked_unit read_shader(struct compilation *c, const char *file, const char *text,
@@ -69,7 +91,7 @@ static struct checked_unit read_shader(struct compilation *c, const char *file, 
 }
 
 /* A shader that runs before or after the main one. */
-static void read_companion(struct compilation *c, const struct shader_source *source,
+static void read_companion(struct compilation *c, const struct shader_companion *source,
                            enum shader_kind kind, struct checked_unit *units, int *count) {
     if (!source)
         return;
@@ -137,6 +159,7 @@ static void run_passes(struct compilation *c, const char *file, const char *text
         read_companion(c, options->atmosphere, SHADER_KIND_VOLUME, units, &count);
     c->program->name =
         arena_copy_string(&c->program->arena, unit->shader->name, strlen(unit->shader->name));
+    c->program->category = find_category(c, unit->shader);
     struct ir_program *ir = lower_units(c, units, count, main);
     stop_on_errors(c);
     ir_validate(ir, "lowering", false);

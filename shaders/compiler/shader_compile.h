@@ -71,7 +71,7 @@ struct shader_parameter {
     int line, column;
 };
 
-struct shader_source {
+struct shader_companion {
     const char *file, *text;
     size_t length;
 };
@@ -79,12 +79,15 @@ struct shader_source {
 struct shader_compile_options {
     /* Shaders that run on the same samples before and after a surface shader, compiled with it into
      * one: P, N and all other predefined variables go from one to the next. NULL: none. */
-    const struct shader_source *displacement, *atmosphere;
+    const struct shader_companion *displacement, *atmosphere;
     /* Parameters that come with the primitives in this variant of the shader, by name; everything
      * else is bound to the instance. Cs and Os are named here when they vary; N, Ng, s, t, u, v,
      * dPdu, dPdv are always material; P, I, E are rebuilt from depth and never are. */
     const char *const *material;
     int material_count;
+    /* For lights: parameters that surface shaders ask for (shader_program.queries). */
+    const char *const *exports;
+    int export_count;
     bool
         fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
     uint32_t passes_left_out; /* bit i: shader_pass_name(i) does not run, if it is optional */
@@ -106,7 +109,14 @@ struct shader_program {
     int material_count; /* components per sample in the transfer map besides the shader ID */
     int material_bytes; /* their size on the composition network */
     int bound_count;
-    uint32_t spaces; /* bit per enum shader_space whose matrices it needs */
+    uint32_t spaces;           /* bit per enum shader_space whose matrices it needs */
+    const char **named_spaces; /* coordinate systems of the scene that it names */
+    int named_space_count;
+    bool uses_any_space;  /* may ask for any of them */
+    bool uses_texts;      /* needs the texts of bound strings, not only their identity numbers */
+    const char **queries; /* names that it asks lights for */
+    int query_count;
+    const char *category; /* of a light: the default of its parameter __category, "" without */
     const char *c_source;
     size_t c_length;
     const char *dump; /* of the pass that options name; NULL when none */

@@ -91,7 +91,7 @@ static void check_node(struct ir_node *node, void *context) {
         broken(v, node, "a list does not know its owner");
     if (node->kind == NODE_LOOP && (!node->test || node->test->owner != node))
         broken(v, node, "a loop has no test");
-    if (node->kind == NODE_ILLUMINANCE)
+    if (node->kind == NODE_ILLUMINANCE && node->condition.kind == OPERAND_NONE)
         return;
     if (ir_operand_type(&node->condition) != IR_BOOL || node->condition.kind == OPERAND_NONE)
         broken(v, node, "a condition is not one");

@@ -28,8 +28,15 @@ enum shader_space {
     SHADER_SPACE_SHADER,
     SHADER_SPACE_OBJECT,
     SHADER_SPACE_WORLD,
+    SHADER_SPACE_DISPLACEMENT, /* "shader" of a displacement or volume shader that goes with a */
+    SHADER_SPACE_ATMOSPHERE,   /* surface: where it was said in the scene */
+    SHADER_SPACE_SCREEN,       /* these three divide by the distance under a perspective view */
+    SHADER_SPACE_NDC,
+    SHADER_SPACE_RASTER,
     SHADER_SPACE_COUNT
 };
+/* What a space that is chosen at run time may be, besides coordinate systems of the scene. */
+#define SHADER_SPACES_BY_STRING 0x1f
 #define SHADER_STRING_HASHED 0x40000000
 
 /* Row-vector matrices (p' = p M), row-major: camera space to the named one, and back. Identity for
@@ -37,6 +44,11 @@ enum shader_space {
 struct shader_matrices {
     float from_camera[SHADER_SPACE_COUNT][16];
     float to_camera[SHADER_SPACE_COUNT][16];
+    int named_count; /* coordinate systems of the scene, as far as the module may ask for them */
+    const struct shader_named_space {
+        int32_t name; /* the identity number of a string */
+        float from_camera[16], to_camera[16];
+    } * named;
 };
 
 /* What one light does to one vector of samples. Direction L points from the light to the surface.
@@ -45,6 +57,22 @@ struct shader_light_sample {
     float *direction[3]; /* SHADER_WIDTH floats each; untouched by an ambient light */
     float *color[3];     /* Cl */
     int32_t *lit;        /* -1 where the light's cone reaches the sample, else 0 */
+    float *exports;      /* a vector for each component that the module exports; NULL: unwanted */
+};
+
+/* Strings at run time are identity numbers; this is what knows their texts, for shaders that make
+ * strings. All three run on the node's processor. */
+struct shader_texts {
+    int32_t (*join)(struct shader_texts *texts, int32_t a, int32_t b);
+    /* a and a number as the conversion (%f, %d ...) with the identity `how` says */
+    int32_t (*append_number)(struct shader_texts *texts, int32_t a, float number, int32_t how);
+    float (*match)(struct shader_texts *texts, int32_t pattern, int32_t text); /* 1 or 0 */
+};
+
+/* What lightsource() asks for, or a light answers: a value of 1 or 3 components. */
+struct shader_message {
+    const char *name;
+    int components;
 };
 
 struct shader_call;
@@ -55,6 +83,11 @@ struct shader_light {
     const float *uniform; /* filled by module->prepare */
     const struct shader_matrices *matrices;
     struct shader_counters *counters;
+    struct shader_texts *texts; /* of the light; NULL unless its module uses texts */
+    uint64_t categories;        /* bit i: the light is in module->categories[i] of the surface */
+    /* For each of the surface's queries: which vector of the light's results holds its first
+     * component, -1 when the light does not know. NULL without queries. */
+    const int *query_offsets;
 };
 
 /* Dynamic execution counts of one shader over one region, as the SIMD array would issue them: a
@@ -83,10 +116,13 @@ struct shader_call {
     const int32_t *present;
     const float *uniform; /* filled by module->prepare */
     const struct shader_matrices *matrices;
+    uint32_t instance; /* tells instances that use the same lights apart */
     const struct shader_light *lights;
     int light_count;
-    float *light_scratch; /* light_count * 7 vectors, for results of lights shared by all
-                             illuminance loops */
+    int light_vectors;    /* 7 and the most that one of the lights exports */
+    float *light_scratch; /* module->light_sets * light_count * light_vectors vectors, for results of
+                             lights shared by illuminance loops */
+    struct shader_texts *texts; /* NULL unless the module uses texts */
     struct shader_counters *counters;
     float *color[3];   /* Ci out */
     float *opacity[3]; /* Oi out */
@@ -125,11 +161,20 @@ struct shader_module {
     const struct shader_block *blocks;
     int uses_lights;
     int uses_neighbours; /* samples come in quads */
+    int light_sets;      /* places that lights are wanted at: the samples and others */
+    int uses_texts;      /* needs shader_texts that know the strings below and the bound ones */
+    int text_count;
+    const char *const *texts;
+    int category_count; /* at most 64 */
+    const char *const *categories;
+    int query_count, export_count;
+    const struct shader_message *queries, *exports;
     /* Uniform code, run once per instance and whenever a bound value changes: evaluates defaults of
      * parameters not given, then all that depends on uniform values alone. given[i] tells whether
      * bound[i] is set; bound[i] of a string holds its identity number as int32_t bits. */
     void (*prepare)(const float *bound, const uint8_t *given,
-                    const struct shader_matrices *matrices, float *uniform);
+                    const struct shader_matrices *matrices, struct shader_texts *texts,
+                    float *uniform);
     /* A surface: shades call->count samples. NULL for a light. */
     void (*shade)(struct shader_call *call);
     /* A light: lights one vector of samples at `position` (SHADER_WIDTH floats each). NULL for a

@@ -41,7 +41,22 @@ static struct message *sample_instance(void) {
     static const float bound[] = {1, 2, 3}, matrices[64] = {1};
     static const uint8_t given[] = {1, 0, 1};
     static const uint32_t lights[] = {0, 4};
-    const struct instance_payload payload = {1, 2, 3, bound, given, 0x14, matrices, 2, lights};
+    static const int32_t names[] = {SHADER_STRING_HASHED | 7};
+    const struct instance_payload payload = {.id = 1,
+                                             .shader = 2,
+                                             .bound_count = 3,
+                                             .bound = bound,
+                                             .given = given,
+                                             .spaces = 0x14,
+                                             .matrices = matrices,
+                                             .named_count = 1,
+                                             .names = names,
+                                             .named_matrices = matrices,
+                                             .light_count = 2,
+                                             .lights = lights,
+                                             .text_bytes = 6,
+                                             .texts = "a\0bcd",
+                                             .category = "key"};
     return instance_payload_encode(&payload, WIRE_INSTANCE, 0);
 }
 
@@ -91,10 +106,10 @@ static void charges_are_what_the_messages_carry(void **state) {
     struct wire_header header;
     struct message *instance = sample_instance(), *chunk = sample_chunk();
     assert_true(wire_open(instance->bytes, instance->length, &header, NULL));
-    /* two floats were given, two coordinate systems are used; identity, shader and two lights are
-     * control */
+    /* two floats were given, two coordinate systems and a named one are used, texts of 6 bytes and
+     * a category of 3; identity, shader and two lights are control */
     assert_int_equal(header.cause, CAUSE_BOUND_PARAMETERS);
-    assert_int_equal(header.charged_bytes[0], 2 * 4 + 2 * 64);
+    assert_int_equal(header.charged_bytes[0], 2 * 4 + 3 * 64 + 6 + 3);
     assert_int_equal(header.charged_bytes[1], 8 + 2 * 4);
     assert_true(wire_open(chunk->bytes, chunk->length, &header, NULL));
     assert_int_equal(header.cause, CAUSE_PRIMITIVES);

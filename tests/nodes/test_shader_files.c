@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "tests/test_harness.h"
 #include "nodes/shader_library.h"
+#include "tests/test_harness.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 
 /* A folder of shaders on disk: what they include is found next to them, then in any folder. */
 
@@ -38,10 +37,11 @@ static void included_files_are_found(void **state) {
     const struct scene_location at = {"scene.rib", 1, 1};
     const struct shader_variant *variant;
     struct status status = {0};
-    if (!shader_library_variant(library, "a", SHADER_KIND_SURFACE, NULL, 0, &at, &variant, &status))
+    if (!shader_library_variant(library, &(struct shader_wanted){.name = "a"}, &at, &variant,
+                                &status))
         fail_msg("%s", status.message);
-    assert_false(
-        shader_library_variant(library, "b", SHADER_KIND_SURFACE, NULL, 0, &at, &variant, &status));
+    assert_false(shader_library_variant(library, &(struct shader_wanted){.name = "b"}, &at,
+                                        &variant, &status));
     assert_non_null(
         strstr(status.message, "b.sl:1:10: error: cannot find \"missing.h\" to include"));
     shader_library_destroy(library);

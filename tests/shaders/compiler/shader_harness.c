@@ -15,10 +15,15 @@
 
 struct shader_program *harness_compile(const char *source, const char *const *material,
                                        struct status *status) {
-    struct shader_compile_options options = {.material = material};
+    struct shader_compile_options options = {.material = material, .exports = material};
     struct shader_program *program = NULL;
-    while (material && material[options.material_count])
-        options.material_count++;
+    int count = 0;
+    while (material && material[count])
+        count++;
+    if (!strncmp(source, "light ", 6))
+        options.export_count = count;
+    else
+        options.material_count = count;
     shader_compile("test.sl", source, strlen(source), &options, &program, status);
     return program;
 }
@@ -53,11 +58,32 @@ static const char *flags_for(int width) {
 
 void harness_open(struct harness *h, const char *source, int width, const char *const *material) {
     struct status status = {0};
+    struct shader_program *program = harness_compile(source, material, &status);
+    if (!program)
+        fail_msg("%s\n%s", source, status.message);
+    harness_open_program(h, program, width);
+}
+
+struct shader_program *harness_compile_with(const char *source, const char *displacement,
+                                            const char *atmosphere) {
+    struct shader_companion before = {"displacement.sl", displacement, 0},
+                            after = {"atmosphere.sl", atmosphere, 0};
+    struct shader_compile_options options = {0};
+    struct shader_program *program = NULL;
+    struct status status = {0};
+    before.length = displacement ? strlen(displacement) : 0;
+    after.length = atmosphere ? strlen(atmosphere) : 0;
+    options.displacement = displacement ? &before : NULL;
+    options.atmosphere = atmosphere ? &after : NULL;
+    if (!shader_compile("test.sl", source, strlen(source), &options, &program, &status))
+        fail_msg("%s", status.message);
+    return program;
+}
+
+void harness_open_program(struct harness *h, struct shader_program *program, int width) {
     char folder[] = "/tmp/sortlast-shader-XXXXXX", path[128], command[1024];
     memset(h, 0, sizeof *h);
-    h->program = harness_compile(source, material, &status);
-    if (!h->program)
-        fail_msg("%s", status.message);
+    h->program = program;
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/shader.c", folder);
     FILE *file = fopen(path, "w");
@@ -115,6 +141,10 @@ void harness_bind_string(struct harness *h, const char *name, const char *text) 
     int32_t identity = shader_string_identity(text);
     memcpy(&bits, &identity, sizeof bits);
     harness_bind(h, name, &bits);
+    size_t length = strlen(text) + 1;
+    assert_true(h->bound_text_bytes + length <= sizeof h->bound_texts);
+    memcpy(h->bound_texts + h->bound_text_bytes, text, length);
+    h->bound_text_bytes += length;
 }
 
 /* The samples of a shader that asks about neighbours are quads side by side. */
@@ -150,14 +180,38 @@ static void set_material(struct harness *h, float (*planes)[HARNESS_SAMPLES]) {
     }
 }
 
+static void harness_prepare(struct harness *h) {
+    text_table_init(&h->texts, h->module, h->bound_texts, h->bound_text_bytes);
+    h->module->prepare(h->bound, h->given, &h->matrices, &h->texts.texts, h->uniform);
+}
+
+static uint64_t categories_of(const struct shader_module *surface, const char *category) {
+    uint64_t found = 0;
+    for (int c = 0; c < surface->category_count; c++)
+        found |= (uint64_t)text_category_matches(surface->categories[c], category) << c;
+    return found;
+}
+
+static void answer(const struct shader_module *surface, const struct shader_module *light,
+                   int *offsets) {
+    for (int q = 0; q < surface->query_count; q++) {
+        offsets[q] = -1;
+        for (int e = 0, at = 7; e < light->export_count; at += light->exports[e++].components)
+            if (!strcmp(light->exports[e].name, surface->queries[q].name) &&
+                light->exports[e].components == surface->queries[q].components)
+                offsets[q] = at;
+    }
+}
+
 void harness_run(struct harness *h, struct harness *const *lights, int light_count,
                  struct harness_result *result) {
     static _Alignas(64) float planes[64][HARNESS_SAMPLES], position[3][HARNESS_SAMPLES],
         incident[3][HARNESS_SAMPLES], color[3][HARNESS_SAMPLES], opacity[3][HARNESS_SAMPLES],
-        scratch[8 * 7 * HARNESS_SAMPLES];
+        scratch[4 * 8 * HARNESS_LIGHT_VECTORS * HARNESS_SAMPLES];
     static _Alignas(64) int32_t present[HARNESS_SAMPLES];
     const float *material[64];
     struct shader_light light_table[8];
+    static int offsets[8][64];
     seen_count = 0;
     set_material(h, planes);
     for (int i = 0; i < 64; i++)
@@ -170,12 +224,19 @@ void harness_run(struct harness *h, struct harness *const *lights, int light_cou
         incident[2][i] = 1;
     }
     for (int i = 0; i < light_count; i++) {
-        lights[i]->module->prepare(lights[i]->bound, lights[i]->given, &lights[i]->matrices,
-                                   lights[i]->uniform);
-        light_table[i] = (struct shader_light){lights[i]->module, lights[i]->uniform,
-                                               &lights[i]->matrices, &lights[i]->counters};
+        harness_prepare(lights[i]);
+        light_table[i] = (struct shader_light){
+            .module = lights[i]->module,
+            .uniform = lights[i]->uniform,
+            .matrices = &lights[i]->matrices,
+            .counters = &lights[i]->counters,
+            .texts = &lights[i]->texts.texts,
+            .categories = categories_of(h->module, lights[i]->program->category),
+            .query_offsets = offsets[i],
+        };
+        answer(h->module, lights[i]->module, offsets[i]);
     }
-    h->module->prepare(h->bound, h->given, &h->matrices, h->uniform);
+    harness_prepare(h);
     struct shader_call call = {.count = HARNESS_SAMPLES,
                                .material = material,
                                .position = {position[0], position[1], position[2]},
@@ -185,12 +246,17 @@ void harness_run(struct harness *h, struct harness *const *lights, int light_cou
                                .matrices = &h->matrices,
                                .lights = light_table,
                                .light_count = light_count,
+                               .light_vectors = HARNESS_LIGHT_VECTORS,
                                .light_scratch = scratch,
+                               .texts = &h->texts.texts,
                                .counters = &h->counters,
                                .color = {color[0], color[1], color[2]},
                                .opacity = {opacity[0], opacity[1], opacity[2]}};
     h->module->shade(&call);
     memcpy(result->color, color, sizeof color);
+    text_table_finish(&h->texts);
+    for (int i = 0; i < light_count; i++)
+        text_table_finish(&lights[i]->texts);
     memcpy(result->opacity, opacity, sizeof opacity);
     result->overrun = call.overrun;
 }

@@ -3,12 +3,13 @@
 #define SHADER_HARNESS_H
 
 #include "shaders/compiler/shader_compile.h"
+#include "shaders/loader/shader_texts.h"
 #include "shaders/simd/shader_module.h"
 
 /* Compiles RSL all the way to code that runs in this process, and runs it on a few samples. Asserts
  * through cmocka that everything before the behaviour under test works. */
 
-enum { HARNESS_SAMPLES = 16, HARNESS_BLOCKS = 64 };
+enum { HARNESS_SAMPLES = 16, HARNESS_BLOCKS = 64, HARNESS_LIGHT_VECTORS = 32 };
 
 struct harness {
     struct shader_program *program;
@@ -20,6 +21,9 @@ struct harness {
     struct shader_matrices matrices;
     struct shader_counters counters;
     uint64_t executions[HARNESS_BLOCKS];
+    struct text_table texts; /* while running */
+    char bound_texts[512];
+    size_t bound_text_bytes;
     uint32_t absent; /* bit i: lane i is no sample, for shaders that ask about neighbours */
 };
 
@@ -31,8 +35,15 @@ struct harness_result {
     int overrun;
 };
 
-/* `material` is a NULL-terminated list of names or NULL; width is 4, 8 or 16. */
+/* `material` is a NULL-terminated list of names or NULL (for a light: what it exports); width is 4,
+ * 8 or 16. */
 void harness_open(struct harness *h, const char *source, int width, const char *const *material);
+/* Takes over the program. */
+void harness_open_program(struct harness *h, struct shader_program *program, int width);
+/* A surface with the shaders around it, NULL for none; fails the test when that does not compile.
+ */
+struct shader_program *harness_compile_with(const char *source, const char *displacement,
+                                            const char *atmosphere);
 void harness_close(struct harness *h);
 /* Binds a parameter by name. */
 void harness_bind(struct harness *h, const char *name, const float *values);

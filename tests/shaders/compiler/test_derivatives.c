@@ -55,12 +55,17 @@ static void linear_functions_have_their_coefficients(void **state) {
                       5, 1, 4);
 }
 
-static void the_change_inside_a_branch_is_that_of_the_quad(void **state) {
-    /* half the samples of a quad take the branch; what is computed there for the others counts */
+static void in_a_branch_only_samples_that_take_it_are_neighbours(void **state) {
+    /* a row of each quad takes one side: there is a neighbour in the row, and none in the column */
+    assert_everywhere("surface a() { float right, down; if (v < 1) { float y = 3 * u + v; right = "
+                      "filterwidth(y) - 3; down = Dv(y); } else { float y = u * v; right = "
+                      "filterwidth(y) - 1.5; down = Dv(y); } Ci = color (right, down, 0); }",
+                      0, 0, 0);
+    /* a column takes it; what the other column computes is not seen */
     assert_everywhere(
-        "surface a() { float x = -1; if (u < 100 * v - 60) { float y = 3 * u; x = Du(y); "
-        "} else { float y = 3 * v; x = Dv(y); } Ci = x; }",
-        3, 3, 3);
+        "surface a() { float f = 0, odd = mod(u, 2); if (odd > 0.5) f = filterwidth(5 * "
+        "v); else { f = filterwidth(7 * v) - 2; } Ci = f; }",
+        5, 5, 5);
 }
 
 static void normals_are_square_to_what_is_spanned_and_on_the_side_of_n(void **state) {
@@ -112,7 +117,7 @@ static void who_does_not_ask_has_no_quads(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(linear_functions_have_their_coefficients),
-        cmocka_unit_test(the_change_inside_a_branch_is_that_of_the_quad),
+        cmocka_unit_test(in_a_branch_only_samples_that_take_it_are_neighbours),
         cmocka_unit_test(normals_are_square_to_what_is_spanned_and_on_the_side_of_n),
         cmocka_unit_test(filterstep_is_the_average_of_a_step),
         cmocka_unit_test(a_missing_neighbour_is_replaced_by_the_other_row_or_nothing),

@@ -156,22 +156,21 @@ static void missing_parts_have_a_value_and_a_warning(void **state) {
         "  float d = texture(map[1]) + shadow(\"s.z\", P);\n"
         "  g = surface(\"Kd\", f) + lightsource(\"intensity\", f) + attribute(\"name\", c) + Kd;\n"
         "  printf(\"%f\", f); string n = format(\"%d\", f);\n"
-        "  Ci = color (comp(c, 0), d, g + f) * (n == \"\" ? 1 : 9) * (1 - match(\"a\", map)) \n"
+        "  Ci = color (comp(c, 0), d, g + f) * (n == \"7\" ? 1 : 9) * (1 - match(\"a\", map)) \n"
         "     + trace(P, N); }";
     struct harness_result result;
     run(source, &result);
     assert_true(result.color[0][3] == 1 && result.color[1][3] == 1 && result.color[2][3] == 7.5f);
-    assert_warnings(source, "texture() is always 1: there are no image textures\n"
-                            "environment() is always 0: there are no image textures\n"
-                            "texture() is always 1: there are no image textures\n"
-                            "shadow() is always 0: there are no shadows\n"
-                            "surface() is always 0: shaders cannot ask about others\n"
-                            "lightsource() is always 0: shaders cannot ask about others\n"
-                            "attribute() is always 0: shaders cannot ask about others\n"
-                            "printf is ignored\n"
-                            "format() makes strings while compiling only; this one is empty\n"
-                            "match() is always 0: there are no patterns\n"
-                            "trace() is always 0: there is no ray tracing\n");
+    assert_warnings(source,
+                    "texture() is always 1: there are no image textures\n"
+                    "environment() is always 0: there are no image textures\n"
+                    "texture() is always 1: there are no image textures\n"
+                    "shadow() is always 0: there are no shadows\n"
+                    "attribute() is always 0: the scene cannot be asked\n"
+                    "printf is ignored\n"
+                    "trace() is always 0: there is no ray tracing\n"
+                    "surface(\"Kd\") is 0: there is no such shader here\n"
+                    "lightsource(\"intensity\") is 0: lights are asked inside illuminance\n");
 }
 
 static void strings_written_out_are_joined(void **state) {
