@@ -53,7 +53,8 @@ surface bowling_pin(float height = 1;
     float back = max(-zcomp(R), 0.01);
     float wx = abs(xcomp(R) / back - windowx) / windowwidth;
     float wy = abs(ycomp(R) / back - windowy) / windowheight;
-    float pane = (1 - smoothstep(0.46, 0.54, wx)) * (1 - smoothstep(0.46, 0.54, wy)) *
+    /* Where R points away from the window, wx and wy mean nothing. */
+    float pane = step(0, -zcomp(R)) * (1 - smoothstep(0.46, 0.54, wx)) * (1 - smoothstep(0.46, 0.54, wy)) *
                  smoothstep(0.02, 0.07, wx) * smoothstep(0.01, 0.05, wy);
     color room = mix(floorcolor, skycolor, smoothstep(-0.25, 0.25, ycomp(R)));
     Ci = body * (1 - share) + share * mix(room, windowcolor, pane);
