@@ -63,10 +63,11 @@ static void add_all_peers(struct socket_driver *driver, uint32_t rendering_nodes
 
 static bool lost_peer(const struct socket_driver *driver, const struct peer *peer,
                       struct status *status) {
-    char name[NODE_NAME_BYTES];
-    return status_fail(
-        status, STATUS_LOST, "%s was lost in frame %u, about region %u: its process ended",
-        node_address_name(peer->address, name), driver->node->frame, driver->node->region);
+    char name[NODE_NAME_BYTES], place[NODE_PLACE_BYTES];
+    const struct node *node = driver->node;
+    return status_fail(status, STATUS_LOST, "%s was lost %s or near: its process ended",
+                       node_address_name(peer->address, name),
+                       node_place(node->has_frame, node->frame, node->region, place));
 }
 
 /* 1 sent, 0 would block, -1 failed. Takes the hold when sent. */
@@ -155,6 +156,8 @@ static bool step(struct socket_driver *driver, const struct node_event *event,
                               memory_order_relaxed);
         atomic_store_explicit(&driver->options->board->region, driver->node->region,
                               memory_order_relaxed);
+        atomic_store_explicit(&driver->options->board->has_frame, driver->node->has_frame,
+                              memory_order_release);
     }
     clock_gettime(CLOCK_MONOTONIC, &driver->last_news); /* own work is no silence */
     return ok;
@@ -350,6 +353,7 @@ static bool drain(struct socket_driver *driver, void *socket, bool is_router, si
  * each. */
 static bool take_disconnect(struct socket_driver *driver, struct status *status) {
     zmq_msg_t part;
+    char place[NODE_PLACE_BYTES];
     bool any = false;
     zmq_msg_init(&part);
     while (zmq_msg_recv(&part, driver->monitor, ZMQ_DONTWAIT) >= 0)
@@ -358,8 +362,9 @@ static bool take_disconnect(struct socket_driver *driver, struct status *status)
     if (!any || driver->node->is_finished)
         return true;
     if (!socket_is_host(driver))
-        return status_fail(status, STATUS_LOST, "the host was lost in frame %u, about region %u",
-                           driver->node->frame, driver->node->region);
+        return status_fail(
+            status, STATUS_LOST, "the host was lost %s or near",
+            node_place(driver->node->has_frame, driver->node->frame, driver->node->region, place));
     driver->is_probing = true;
     clock_gettime(CLOCK_MONOTONIC, &driver->probe_begin);
     return true;
@@ -524,9 +529,8 @@ static void report_failure(struct socket_driver *driver, const struct status *st
     if (socket_is_host(driver) || !driver->control || status->code == STATUS_LOST ||
         status->code == STATUS_OK)
         return;
-    struct message *message =
-        text_encode(WIRE_FAILURE, status->message, status->code, driver->node->frame,
-                    node_address_pack(driver->node->address));
+    struct message *message = text_encode(WIRE_FAILURE, status->message, status->code, 0,
+                                          node_address_pack(driver->node->address));
     if (socket_message_send(driver->control, NULL, message) <= 0)
         message_release(message);
 }

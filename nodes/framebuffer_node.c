@@ -236,14 +236,14 @@ static bool complete_frame(struct framebuffer_node *self, struct collected_frame
         !self->services->write_image(self->services->context, frame_image_take(&frame->image),
                                      frame->frame.image_path, frame->frame.compression,
                                      frame->frame.write_png, status))
-        return status_prefix(status, "frame %u", frame->index);
+        return false;
     if (self->configuration.is_recorded)
         node_send(outputs, host_address,
                   region_costs_encode(frame->costs, frame->cost_count, frame->index,
                                       node_address_pack(self->node.address)));
     node_send(outputs, host_address,
               frame_record_encode(record, node_address_pack(self->node.address)));
-    trace_line(self->node.trace, "frame %u complete", frame->index);
+    trace_line(self->node.trace, "frame %d complete", frame->frame.number);
     frame_finish(frame);
     self->next_frame++;
     return true;
@@ -254,10 +254,10 @@ static bool advance(struct framebuffer_node *self, struct node_outputs *outputs,
                     struct status *status) {
     for (struct collected_frame *frame; (frame = frame_of(self, self->next_frame));) {
         while (frame->added < frame->grid.count && frame->regions[frame->added].has_arrived) {
-            self->node.frame = frame->index;
-            self->node.region = frame->added;
+            node_works_on(&self->node, frame->frame.number, frame->added);
             if (!add_region(self, frame, frame->added, status))
-                return status_prefix(status, "frame %u, region %u", frame->index, frame->added);
+                return status_prefix(status, "frame %d, region %u", frame->frame.number,
+                                     frame->added);
             frame->added++;
         }
         if (frame->added < frame->grid.count || !frame->is_complete)
@@ -273,12 +273,13 @@ static bool arrive(struct framebuffer_node *self, uint32_t frame_index, uint32_t
                    struct node_outputs *outputs, struct status *status) {
     struct collected_frame *frame = frame_of(self, frame_index);
     if (count > frame->grid.count || first > frame->grid.count - count)
-        return status_fail(status, STATUS_INVALID, "frame %u has no region %u", frame_index, first);
+        return status_fail(status, STATUS_INVALID, "frame %d has no region %u", frame->frame.number,
+                           first);
     for (uint32_t k = first; k < first + count; k++) {
         struct arrived_region *region = &frame->regions[k];
         if (region->has_arrived)
-            return status_fail(status, STATUS_INVALID, "frame %u, region %u arrived twice",
-                               frame_index, k);
+            return status_fail(status, STATUS_INVALID, "frame %d, region %u arrived twice",
+                               frame->frame.number, k);
         *region =
             (struct arrived_region){true, message ? message_hold(message) : NULL, is_coloured};
     }
@@ -342,7 +343,7 @@ static bool begin_frame(struct framebuffer_node *self, const struct node_event *
     frame->timing = memory_try(frame->grid.count, sizeof *frame->timing, status);
     if (!frame->regions || !frame->timing ||
         !frame_image_create(&frame->frame, &frame->grid, &frame->image, status))
-        return status_prefix(status, "frame %u", frame->index);
+        return status_prefix(status, "frame %d", frame->frame.number);
     return replay_early(self, outputs, status);
 }
 
@@ -410,14 +411,14 @@ static void framebuffer_node_describe(const struct node *node, char *text, size_
     if (!self->is_configured)
         snprintf(text, size, "waits for the host's configuration");
     else if (!frame->is_begun)
-        snprintf(text, size, "waits for frame %u from the host", self->next_frame);
+        snprintf(text, size, "waits for the next frame from the host");
     else if (frame->added < frame->grid.count)
-        snprintf(text, size,
-                 "waits for region %u of frame %u from shading node %u (%u of %u are here)",
-                 frame->added, frame->index, frame->added % self->configuration.shading_nodes,
-                 frame->arrived, frame->grid.count);
+        snprintf(
+            text, size, "waits for region %u of frame %d from shading node %u (%u of %u are here)",
+            frame->added, frame->frame.number, frame->added % self->configuration.shading_nodes,
+            frame->arrived, frame->grid.count);
     else
-        snprintf(text, size, "waits for the host to end frame %u", frame->index);
+        snprintf(text, size, "waits for the host to end frame %d", frame->frame.number);
 }
 
 static void framebuffer_node_destroy(struct node *node) {

@@ -32,7 +32,8 @@ struct host_node {
     struct scene_frame *upcoming; /* read, not sent; NULL: the scene is over */
     bool is_sequence;             /* more than one picture */
     uint32_t next_frame, frames_done;
-    int last_number; /* of the last frame sent, as FrameBegin or repetition counts */
+    uint32_t progress_of; /* index of the frame node.region is of */
+    int last_number;      /* of the last frame sent, as FrameBegin or repetition counts */
     int numbers[HOST_FRAMES_UNDER_WAY]; /* of the frames under way */
     bool is_over;                       /* no more frames will be sent */
     struct sent_message *sent;          /* of the last frame of the scene */
@@ -202,23 +203,24 @@ static struct frame_payload frame_payload_of(const struct host_node *self,
     return payload;
 }
 
-static bool begin_frame(struct host_node *self, struct frame_payload *payload, int number,
+static bool begin_frame(struct host_node *self, struct frame_payload *payload,
                         struct node_outputs *outputs, struct status *status) {
     char name[4096] = "";
     if (!region_grid_check(payload, &self->options.machine, status))
         return false;
     if (self->options.output && self->options.output[0] &&
-        !host_image_name(self->options.output, self->is_sequence, number, name, sizeof name,
-                         status))
+        !host_image_name(self->options.output, self->is_sequence, payload->number, name,
+                         sizeof name, status))
         return false;
     payload->image_path = name;
     broadcast(self, frame_payload_encode(payload, self->next_frame), outputs);
     payload->image_path = "";
     self->last_frame = *payload;
-    self->last_number = self->numbers[self->next_frame % HOST_FRAMES_UNDER_WAY] = number;
+    self->last_number = payload->number;
+    self->numbers[self->next_frame % HOST_FRAMES_UNDER_WAY] = payload->number;
     self->regions = region_grid_make(payload, &self->options.machine).count;
     if (self->recorder)
-        run_recorder_begin_frame(self->recorder, number, payload);
+        run_recorder_begin_frame(self->recorder, payload->number, payload);
     return true;
 }
 
@@ -279,8 +281,8 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame,
     if (!ok)
         return false;
     struct frame_payload payload = frame_payload_of(self, &frame->camera);
-    const int number = frame_number(self, frame);
-    ok = compile_new_shaders(self, status) && begin_frame(self, &payload, number, outputs, status);
+    payload.number = frame_number(self, frame);
+    ok = compile_new_shaders(self, status) && begin_frame(self, &payload, outputs, status);
     if (ok) {
         report_instances(self, &plan);
         if (self->options.explain_work)
@@ -313,7 +315,8 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame,
 
 static bool repeat_frame(struct host_node *self, struct node_outputs *outputs,
                          struct status *status) {
-    if (!begin_frame(self, &self->last_frame, self->last_number + 1, outputs, status))
+    self->last_frame.number = self->last_number + 1;
+    if (!begin_frame(self, &self->last_frame, outputs, status))
         return false;
     work_names_copy(&self->names[self->next_frame % HOST_FRAMES_UNDER_WAY],
                     &self->names[(self->next_frame + 1) % HOST_FRAMES_UNDER_WAY]);
@@ -347,7 +350,6 @@ static bool send_frame(struct host_node *self, struct node_outputs *outputs,
     if (!frame)
         return repeat_frame(self, outputs, status);
     self->upcoming = NULL;
-    self->node.frame = self->next_frame;
     bool ok = send_new_frame(self, frame, outputs, status);
     scene_frame_destroy(frame);
     return ok && read_upcoming(self, status);
@@ -386,6 +388,11 @@ static bool start(struct host_node *self, struct node_outputs *outputs, struct s
     return ok;
 }
 
+/* The number of a frame under way, from its index. */
+static int number_under_way(const struct host_node *self, uint32_t frame) {
+    return self->numbers[frame % HOST_FRAMES_UNDER_WAY];
+}
+
 static bool finish_frame(struct host_node *self, const struct node_event *event,
                          struct status *status) {
     struct host_report *report = &self->report;
@@ -395,7 +402,7 @@ static bool finish_frame(struct host_node *self, const struct node_event *event,
     report->frames = memory_grow(report->frames, &self->frame_capacity, report->frame_count + 1,
                                  sizeof *report->frames);
     record.frame = event->header.frame;
-    record.number = self->numbers[record.frame % HOST_FRAMES_UNDER_WAY];
+    record.number = number_under_way(self, record.frame);
     work_names_apply(&self->names[record.frame % HOST_FRAMES_UNDER_WAY], &record.work);
     report->frames[report->frame_count++] = record;
     self->frames_done++;
@@ -434,10 +441,11 @@ static bool handle_message(struct host_node *self, const struct node_event *even
     case WIRE_PROGRESS:
         if (self->observer.progress)
             self->observer.progress(self->observer.context,
-                                    self->numbers[event->header.frame % HOST_FRAMES_UNDER_WAY],
+                                    number_under_way(self, event->header.frame),
                                     event->header.region, self->regions);
-        self->node.frame = event->header.frame;
-        self->node.region = event->header.region;
+        node_works_on(&self->node, number_under_way(self, event->header.frame),
+                      event->header.region);
+        self->progress_of = event->header.frame;
         return true;
     case WIRE_FRAME_DONE:
         return finish_frame(self, event, status);
@@ -487,12 +495,14 @@ static void host_node_describe(const struct node *node, char *text, size_t size)
     if (self->is_over)
         snprintf(text, size, "waits for the framebuffer node to finish writing pictures");
     else if (node->has_work)
-        snprintf(text, size, "prepares frame %u", self->next_frame);
+        snprintf(text, size, "prepares frame %d",
+                 self->upcoming ? self->upcoming->number : self->last_number + 1);
     else
         snprintf(text, size,
-                 "waits for the framebuffer node to complete frame %u (%u of %u regions known to "
+                 "waits for the framebuffer node to complete frame %d (%u of %u regions known to "
                  "be done)",
-                 self->frames_done, node->frame == self->frames_done ? node->region : 0,
+                 number_under_way(self, self->frames_done),
+                 node->has_frame && self->progress_of == self->frames_done ? node->region : 0,
                  self->regions);
 }
 

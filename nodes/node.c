@@ -54,3 +54,18 @@ void node_destroy(struct node *node) {
     if (node)
         node->type->destroy(node);
 }
+
+void node_works_on(struct node *node, int32_t frame, uint32_t region) {
+    node->has_frame = true;
+    node->frame = frame;
+    node->region = region;
+}
+
+const char *node_place(bool has_frame, int32_t frame, uint32_t region,
+                       char text[NODE_PLACE_BYTES]) {
+    if (has_frame)
+        snprintf(text, NODE_PLACE_BYTES, "in frame %d, region %u", frame, region);
+    else
+        snprintf(text, NODE_PLACE_BYTES, "before the first region of its first frame");
+    return text;
+}

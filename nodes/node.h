@@ -87,13 +87,23 @@ struct node {
                           messages even while its own cannot be sent */
     bool is_finished;  /* has nothing more to do; its driver may end */
     bool is_closing; /* host: all others but the framebuffer node, which says goodbye, may leave */
-    uint32_t frame, region; /* what it works on, for people */
+    /* what it works on, for people: the frame as the scene counts (FrameBegin) */
+    bool has_frame;
+    int32_t frame;
+    uint32_t region;
     struct trace *trace;
 };
 
 bool node_step(struct node *node, const struct node_event *event, struct node_outputs *outputs,
                struct status *status);
 void node_destroy(struct node *node);
+
+/* Notes what the node works on. */
+void node_works_on(struct node *node, int32_t frame, uint32_t region);
+/* "in frame 3, region 17", or that it has not come to a region of a frame yet; the text lives in
+ * `text`. */
+enum { NODE_PLACE_BYTES = 64 };
+const char *node_place(bool has_frame, int32_t frame, uint32_t region, char text[NODE_PLACE_BYTES]);
 
 /* What nodes need from the world around them; drivers of tests may replace them. */
 struct shader_module;

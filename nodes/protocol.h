@@ -45,6 +45,7 @@ struct frame_payload {
     uint32_t explain_work;           /* keep a work_record */
     double screen_window[4];         /* left, right, bottom, top */
     double near_plane, far_plane;
+    int32_t number;         /* as the scene counts (FrameBegin), for people */
     const char *image_path; /* "" when no image is wanted */
 };
 struct message *frame_payload_encode(const struct frame_payload *frame, uint32_t index);

@@ -133,7 +133,8 @@ static bool end_frame(struct rendering_node *self, const struct node_event *even
         return status_fail(status, STATUS_INTERNAL, "frame %u ends before it begins",
                            event->header.frame);
     slot->is_complete = true;
-    trace_line(self->node.trace, "frame %u received: %zu chunks", slot->index, slot->message_count);
+    trace_line(self->node.trace, "frame %d received: %zu chunks", slot->frame.number,
+               slot->message_count);
     if (self->node.address.index == 0 || self->exchange)
         queue_push(self, (struct pending){NULL, slot->index, 0, slot->grid.count});
     return true;
@@ -176,7 +177,7 @@ static bool prepare_visibility(struct rendering_node *self, struct frame_slot *s
                            status))
         return false;
     self->visibility_content = slot->content;
-    trace_line(self->node.trace, "frame %u: scene built", slot->index);
+    trace_line(self->node.trace, "frame %d: scene built", slot->frame.number);
     return true;
 }
 
@@ -226,7 +227,8 @@ static void send_region(struct rendering_node *self, uint32_t region, struct mes
 
 static bool compose_region(struct rendering_node *self, const struct pending *pending, bool has_own,
                            struct node_outputs *outputs, struct status *status) {
-    const struct region_grid *grid = &slot_of(self, pending->frame)->grid;
+    const struct frame_slot *slot = slot_of(self, pending->frame);
+    const struct region_grid *grid = &slot->grid;
     const uint32_t samples = grid->region_width * grid->region_height;
     struct region_view upstream = {0}, own;
     if (!has_own) { /* passed on as it came */
@@ -237,12 +239,12 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
     }
     if (pending->message &&
         !region_open(pending->message->bytes, pending->message->length, samples, &upstream, status))
-        return status_prefix(status, "frame %u, region %u", pending->frame, pending->region);
+        return status_prefix(status, "frame %d, region %u", slot->frame.number, pending->region);
     struct message *mine =
         visibility_render(self->visibility, pending->frame, pending->region, self->node.address);
     if (!region_open(mine->bytes, mine->length, samples, &own, status)) {
         message_release(mine);
-        return status_prefix(status, "frame %u, region %u", pending->frame, pending->region);
+        return status_prefix(status, "frame %d, region %u", slot->frame.number, pending->region);
     }
     uint32_t count = own.head.sample_count;
     if (pending->message) {
@@ -280,15 +282,15 @@ static bool advance(struct rendering_node *self, struct node_outputs *outputs,
     struct pending *head = &self->queue[self->queue_first];
     struct frame_slot *slot = slot_of(self, head->frame);
     if (head->count > slot->grid.count || head->region > slot->grid.count - head->count)
-        return status_fail(status, STATUS_INVALID, "frame %u has no region %u", head->frame,
+        return status_fail(status, STATUS_INVALID, "frame %d has no region %u", slot->frame.number,
                            head->region);
     if (!prepare_visibility(self, slot, status))
-        return status_prefix(status, "frame %u", head->frame);
+        return status_prefix(status, "frame %d", slot->frame.number);
     report_work(self, slot, outputs);
     const struct region_bins *bins = visibility_bins(self->visibility);
     const uint32_t frame = head->frame, end = head->region + head->count;
     uint32_t region = head->region;
-    self->node.frame = frame;
+    node_works_on(&self->node, slot->frame.number, region);
     if (self->exchange) {
         if (!begin_exchange(self, head, bins->bins[region], outputs, status))
             return false;
@@ -388,15 +390,14 @@ static void rendering_node_describe(const struct node *node, char *text, size_t 
     if (!self->is_configured)
         snprintf(text, size, "waits for the host's configuration");
     else if (node->has_work)
-        snprintf(text, size, "works on frame %u, region %u", node->frame, node->region);
+        snprintf(text, size, "works on frame %d, region %u", node->frame, node->region);
     else if (self->queue_count)
-        snprintf(text, size, "waits for the host to end frame %u",
-                 self->queue[self->queue_first].frame);
+        snprintf(text, size, "waits for the host to end the frame of the region it has");
     else if (self->exchange && region_exchange_waits_for(self->exchange, &frame, &region, &from))
-        snprintf(text, size, "waits for its part of frame %u, region %u from rendering node %u",
-                 frame, region, from);
+        snprintf(text, size, "waits for its part of frame %d, region %u from rendering node %u",
+                 self->frames[frame % RENDERING_FRAMES].frame.number, region, from);
     else if (node->address.index && (self->frames[0].is_complete || self->frames[1].is_complete))
-        snprintf(text, size, "waits for regions after region %u of frame %u from rendering node %u",
+        snprintf(text, size, "waits for regions after region %u of frame %d from rendering node %u",
                  node->region, node->frame, node->address.index - 1);
     else
         snprintf(text, size, "waits for the next frame from the host");

@@ -233,11 +233,11 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
     if (overrun && !self->overruns_warned++) {
         char text[256];
         snprintf(text, sizeof text,
-                 "shader %s: a loop was stopped after %d turns in frame %u, region %u (and perhaps "
+                 "shader %s: a loop was stopped after %d turns in frame %d, region %u (and perhaps "
                  "others)",
                  module->name, SHADER_LOOP_LIMIT, self->node.frame, self->node.region);
         node_send(outputs, (struct node_address){NODE_HOST, 0},
-                  text_encode(WIRE_WARNING, text, 0, self->node.frame,
+                  text_encode(WIRE_WARNING, text, 0, frame->index,
                               node_address_pack(self->node.address)));
     }
 }
@@ -419,8 +419,8 @@ static bool end_frame(struct shading_node *self, const struct node_event *event,
     const size_t kept = shading_frame_inherit(frame, retired);
     shading_frame_finish(retired);
     frame->is_complete = true;
-    trace_line(self->node.trace, "frame %u received: %zu instances, %zu lights, %zu kept ready",
-               frame->index, frame->instance_count, frame->light_count, kept);
+    trace_line(self->node.trace, "frame %d received: %zu instances, %zu lights, %zu kept ready",
+               frame->frame.number, frame->instance_count, frame->light_count, kept);
     return true;
 }
 
@@ -516,11 +516,11 @@ static bool advance(struct shading_node *self, struct node_outputs *outputs,
     const struct pending_region pending = self->queue[self->queue_first++];
     if (!--self->queue_count)
         self->queue_first = 0;
-    self->node.frame = pending.header.frame;
-    self->node.region = pending.header.region;
+    const int number = frame_of(self, pending.header.frame)->frame.number;
+    node_works_on(&self->node, number, pending.header.region);
     bool ok = shade_region(self, pending.message, &pending.header, outputs, status);
     if (!ok)
-        status_prefix(status, "frame %u, region %u", pending.header.frame, pending.header.region);
+        status_prefix(status, "frame %d, region %u", number, pending.header.region);
     message_release(pending.message);
     return ok;
 }
@@ -547,13 +547,12 @@ static void shading_node_describe(const struct node *node, char *text, size_t si
     if (!self->is_configured)
         snprintf(text, size, "waits for the host's configuration");
     else if (node->has_work)
-        snprintf(text, size, "works on frame %u, region %u", node->frame, node->region);
+        snprintf(text, size, "works on frame %d, region %u", node->frame, node->region);
     else if (self->queue_count)
-        snprintf(text, size, "waits for the host to end frame %u",
-                 self->queue[self->queue_first].header.frame);
+        snprintf(text, size, "waits for the host to end the frame of the region it has");
     else
         snprintf(text, size,
-                 "waits for regions from rendering node %u (last was frame %u, region %u)",
+                 "waits for regions from rendering node %u (last was frame %d, region %u)",
                  self->configuration.rendering_nodes - 1, node->frame, node->region);
 }
 

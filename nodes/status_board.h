@@ -9,7 +9,8 @@
 /* A page shared by a local cluster's supervisor and its nodes, where each node says what it works
  * on: when one is killed, the supervisor still knows in which frame and region. */
 struct status_board_entry {
-    _Atomic uint32_t is_started, frame, region;
+    _Atomic uint32_t is_started, has_frame, region;
+    _Atomic int32_t frame;
 };
 
 /* Makes an anonymous shared board; returns its file descriptor (inherited by children), or -1. */

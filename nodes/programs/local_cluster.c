@@ -27,6 +27,7 @@ enum {
     STOPPED_PATIENCE_MS = 500,
     POLL_MS = 5,
     ARGUMENTS_MAX = 16,
+    LOCAL_NODES_MAX = 1024, /* processes that one machine may well be asked to start */
 };
 
 struct child {
@@ -279,14 +280,15 @@ static void end_all(struct local_cluster *cluster, bool are_leaving) {
 
 static void report_loss(const struct local_cluster *cluster, const struct child *child) {
     const struct status_board_entry *entry = &cluster->board[child - cluster->children];
-    char name[NODE_NAME_BYTES], how[64];
+    char name[NODE_NAME_BYTES], place[NODE_PLACE_BYTES], how[64];
     if (WIFSIGNALED(child->result))
         snprintf(how, sizeof how, "was killed by signal %d (%s)", WTERMSIG(child->result),
                  strsignal(WTERMSIG(child->result)));
     else
         snprintf(how, sizeof how, "ended with status %d", WEXITSTATUS(child->result));
-    fprintf(stderr, "sortlast: %s %s in frame %u, region %u; finished frames are kept\n",
-            node_address_name(child->address, name), how, entry->frame + 1, entry->region);
+    fprintf(stderr, "sortlast: %s %s %s; finished frames are kept\n",
+            node_address_name(child->address, name), how,
+            node_place(entry->has_frame, entry->frame, entry->region, place));
 }
 
 /* What the end of a child means for the run. */
@@ -344,12 +346,18 @@ static int supervise(struct local_cluster *cluster) {
     }
 }
 
-/* libzmq ends a process that runs out of file descriptors: refuse beforehand. The host has the most
- * connections. */
-static bool has_files_for(const struct render_options *options, struct status *status) {
+/* Every node is a process with files; libzmq ends one that runs out of them: refuse beforehand. The
+ * host has the most connections. */
+static bool can_start(const struct render_options *options, struct status *status) {
     enum { FILES_PER_NODE = 3, FILES_BESIDES = 64 };
     const long nodes = (long)options->host.rendering_nodes + options->host.shading_nodes + 1;
     const long needed = FILES_PER_NODE * nodes + FILES_BESIDES;
+    if (nodes + 1 > LOCAL_NODES_MAX)
+        return status_fail(status, STATUS_INVALID,
+                           "a cluster of %ld nodes is more than the %d processes one machine "
+                           "should start: use --driver in-process, or start nodes on several "
+                           "machines (sortlast-host)",
+                           nodes + 1, LOCAL_NODES_MAX);
     if (program_files_max() >= needed)
         return true;
     return status_fail(status, STATUS_LIMIT,
@@ -366,11 +374,13 @@ int local_cluster_run(int argument_count, char **arguments, const struct render_
     program_streams_ensure();
     program_signals_install();
     program_files_raise();
-    int exit_status = 2;
-    if (has_files_for(options, &status) && start_all(&cluster, argument_count, arguments, &status))
+    int exit_status;
+    if (can_start(options, &status) && start_all(&cluster, argument_count, arguments, &status)) {
         exit_status = supervise(&cluster);
-    else
+    } else {
+        exit_status = status_exit_code(status.code);
         fprintf(stderr, "sortlast: %s\n", status.message);
+    }
     end_all(&cluster, exit_status == 0);
     remove_folder(cluster.folder);
     free(cluster.children);

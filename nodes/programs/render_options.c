@@ -2,6 +2,7 @@
 #include "nodes/programs/render_options.h"
 
 #include "images/image.h"
+#include "images/replacement_file.h"
 #include "nodes/pacer.h"
 
 #include <errno.h>
@@ -10,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 enum { NODES_MAX = 4096, FRAMES_MAX = 1000000, SIZE_MAX_PIXELS = 65536, SAMPLES_MAX = 64 };
@@ -172,13 +174,13 @@ static bool parse_whole(const char *text, const char *what, long long minimum, l
     return true;
 }
 
-static bool parse_pair(const char *text, const char *what, int maximum, int *a, int *b,
-                       struct status *status) {
+static bool parse_pair(const char *text, const char *what, const char *example, int maximum, int *a,
+                       int *b, struct status *status) {
     char rest;
     if (sscanf(text, "%dx%d%c", a, b, &rest) != 2 || *a < 1 || *b < 1 || *a > maximum ||
         *b > maximum)
         return status_fail(status, STATUS_INVALID,
-                           "%s must be like 1280x1024, each from 1 to %d, not \"%s\"", what,
+                           "%s must be like %s, each from 1 to %d, not \"%s\"", what, example,
                            maximum, text);
     return true;
 }
@@ -186,7 +188,7 @@ static bool parse_pair(const char *text, const char *what, int maximum, int *a, 
 static bool parse_samples(const char *text, struct host_options *host, struct status *status) {
     long long count;
     if (strchr(text, 'x'))
-        return parse_pair(text, "--samples", SAMPLES_MAX, &host->reading.samples_x,
+        return parse_pair(text, "--samples", "4x2", SAMPLES_MAX, &host->reading.samples_x,
                           &host->reading.samples_y, status);
     if (!parse_whole(text, "--samples", 1, SAMPLES_MAX * SAMPLES_MAX, &count, status))
         return false;
@@ -199,6 +201,26 @@ static bool parse_samples(const char *text, struct host_options *host, struct st
             "--samples %lld is not a square number; say how many across and down, like 4x2", count);
     host->reading.samples_x = host->reading.samples_y = side;
     return true;
+}
+
+static bool parse_format(const char *text, struct scene_options *reading, struct status *status) {
+    if (!parse_pair(text, "--format", "1280x1024", SIZE_MAX_PIXELS, &reading->width,
+                    &reading->height, status))
+        return false;
+    if ((uint64_t)reading->width * (uint64_t)reading->height <= IMAGE_PIXELS_MAX)
+        return true;
+    return status_fail(status, STATUS_LIMIT, "--format %s has more than %llu pixels", text,
+                       (unsigned long long)IMAGE_PIXELS_MAX);
+}
+
+static bool check_output_name(const char *name, struct status *status) {
+    const size_t length = strlen(name);
+    if (!length || (length > 4 && !strcasecmp(name + length - 4, ".exr")))
+        return true;
+    return status_fail(status, STATUS_INVALID,
+                       "the picture is an OpenEXR file: its name must end in .exr, not \"%s\" "
+                       "(--png writes a PNG beside it)",
+                       name);
 }
 
 static bool parse_choice(const char *text, const char *what, const char *const *choices, int *value,
@@ -274,7 +296,7 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         return ok;
     case 'o':
         o->host.output = text;
-        return true;
+        return check_output_name(text, status);
     case 'v':
         o->verbosity = 1;
         return true;
@@ -301,8 +323,7 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         o->host.seed = (uint64_t)whole;
         return ok;
     case OPTION_FORMAT:
-        return parse_pair(text, "--format", SIZE_MAX_PIXELS, &o->host.reading.width,
-                          &o->host.reading.height, status);
+        return parse_format(text, &o->host.reading, status);
     case OPTION_SAMPLES:
         return parse_samples(text, &o->host, status);
     case OPTION_PNG:
@@ -436,6 +457,24 @@ static int usage_error(const struct status *status) {
     return 2;
 }
 
+/* What cannot be written should be known before anything is rendered. The picture of a cluster
+ * started by hand is written by its framebuffer node, perhaps on another machine. */
+static bool can_write_results(const struct render_options *options, bool is_host_program,
+                              struct status *status) {
+    const char *output = options->host.output && !is_host_program ? options->host.output : "",
+               *json = options->json && strcmp(options->json, "-") ? options->json : "";
+    const char *const paths[] = {output, json};
+    for (int i = 0; i < 2; i++) {
+        struct replacement_file file;
+        if (!paths[i][0])
+            continue;
+        if (!replacement_file_open(&file, paths[i], status))
+            return false;
+        replacement_file_abandon(&file);
+    }
+    return true;
+}
+
 int render_options_parse(int argc, char **argv, bool is_host_program,
                          struct render_options *options) {
     struct status status = {0};
@@ -495,7 +534,10 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
     }
     if (!read_machine(options, &status))
         return usage_error(&status);
-    return 0;
+    if (can_write_results(options, is_host_program, &status))
+        return 0;
+    fprintf(stderr, "sortlast: %s\n", status.message);
+    return 1 + status_exit_code(status.code);
 }
 
 void render_options_finish(struct render_options *options) {
