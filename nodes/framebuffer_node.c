@@ -9,7 +9,8 @@
 
 enum {
     FRAMEBUFFER_FRAMES = 2,
-    PROGRESS_STEPS = 32, /* progress messages of a frame */
+    PROGRESS_STEPS = 32,       /* progress messages of a frame, */
+    PROGRESS_REGIONS_MAX = 64, /* or one for so many regions: silence means that it is stuck */
 };
 
 /* What is known of one region: nothing, that it is empty, or its colours and costs. */
@@ -268,6 +269,12 @@ static bool advance(struct framebuffer_node *self, struct node_outputs *outputs,
     return true;
 }
 
+/* After how many regions the host hears of them. */
+static uint32_t progress_step(uint32_t regions) {
+    const uint32_t step = (regions + PROGRESS_STEPS - 1) / PROGRESS_STEPS;
+    return step < PROGRESS_REGIONS_MAX ? step : PROGRESS_REGIONS_MAX;
+}
+
 static bool arrive(struct framebuffer_node *self, uint32_t frame_index, uint32_t first,
                    uint32_t count, struct message *message, bool is_coloured,
                    struct node_outputs *outputs, struct status *status) {
@@ -283,9 +290,9 @@ static bool arrive(struct framebuffer_node *self, uint32_t frame_index, uint32_t
         *region =
             (struct arrived_region){true, message ? message_hold(message) : NULL, is_coloured};
     }
-    const uint64_t before = (uint64_t)frame->arrived * PROGRESS_STEPS / frame->grid.count;
+    const uint32_t step = progress_step(frame->grid.count), before = frame->arrived / step;
     frame->arrived += count;
-    if ((uint64_t)frame->arrived * PROGRESS_STEPS / frame->grid.count != before)
+    if (frame->arrived / step != before)
         node_send(outputs, host_address,
                   signal_encode(WIRE_PROGRESS, frame_index, frame->arrived,
                                 node_address_pack(self->node.address)));

@@ -105,7 +105,7 @@ def test_killing_the_supervisor_leaves_nothing():
 def test_a_stuck_node_ends_the_run_at_the_deadline_and_all_say_what_they_wait_for():
     with Folder() as folder:
         scene = folder.write("slow.rib", SLOW_70)
-        process = folder.start("render", scene, "-r", 2, "-s", 2, "--frames", 2000, "--deadline", 3, "--chord", 2)
+        process = folder.start("render", scene, "-r", 2, "-s", 2, "--frames", 2000, "--deadline", 6, "--chord", 2)
         err = ""
         while "frame 71:" not in err:
             line = process.stderr.readline()
@@ -113,7 +113,7 @@ def test_a_stuck_node_ends_the_run_at_the_deadline_and_all_say_what_they_wait_fo
             err += line
         os.kill(node_process(folder, "sortlast-shading-node", 1), signal.SIGSTOP)
         err += process.communicate(timeout=40)[1]
-        assert process.returncode == 2 and "nothing happened for 3 s" in err, err
+        assert process.returncode == 2 and "nothing happened for 6 s" in err, err
         for node in ("host", "rendering node 0", "rendering node 1", "shading node 0", "framebuffer node"):
             assert re.search("sortlast: %s (waits|works)" % node, err), "%s says nothing:\n%s" % (node, err)
         assert re.search(r"framebuffer node waits for region \d+ of frame 7\d from shading node 1", err), err
