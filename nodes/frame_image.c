@@ -7,6 +7,8 @@
 bool frame_image_create(const struct frame_payload *frame, const struct region_grid *grid,
                         struct frame_image *image, struct status *status) {
     *image = (struct frame_image){.frame = *frame, .grid = *grid};
+    if (!frame->image_path[0])
+        return true;
     image->is_row_covered = memory_get(frame->height, sizeof *image->is_row_covered);
     if (!image_create((int)frame->width, (int)frame->height, &image->image, status))
         return false;
@@ -74,6 +76,8 @@ void frame_image_add(struct frame_image *image, uint32_t region,
     region_grid_origin(grid, region, &x0, &y0);
     for (int c = 0; c < 3; c++)
         image->nan_colours += count_not_finite(colours->color[c], colours->head.sample_count);
+    if (!image->image)
+        return;
     for (uint32_t r = 0; r < colours->head.run_count; r++)
         for (uint32_t done = 0, count; done < colours->runs[r].count; done += count, at += count) {
             const uint32_t sample = colours->runs[r].first + done;

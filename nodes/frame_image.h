@@ -20,10 +20,11 @@ struct frame_image {
     uint64_t nan_colours; /* components of samples that are not finite */
 };
 
+/* Without a file to write to (frame->image_path) there is no picture: colours are only checked. */
 bool frame_image_create(const struct frame_payload *frame, const struct region_grid *grid,
                         struct frame_image *image, struct status *status);
 void frame_image_add(struct frame_image *image, uint32_t region, const struct colour_view *colours);
-/* Hands the finished picture over. */
+/* Hands the finished picture over, which must have been wanted. */
 struct image *frame_image_take(struct frame_image *image);
 void frame_image_finish(struct frame_image *image);
 

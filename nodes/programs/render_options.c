@@ -203,16 +203,6 @@ static bool parse_samples(const char *text, struct host_options *host, struct st
     return true;
 }
 
-static bool parse_format(const char *text, struct scene_options *reading, struct status *status) {
-    if (!parse_pair(text, "--format", "1280x1024", SIZE_MAX_PIXELS, &reading->width,
-                    &reading->height, status))
-        return false;
-    if ((uint64_t)reading->width * (uint64_t)reading->height <= IMAGE_PIXELS_MAX)
-        return true;
-    return status_fail(status, STATUS_LIMIT, "--format %s has more than %llu pixels", text,
-                       (unsigned long long)IMAGE_PIXELS_MAX);
-}
-
 static bool check_output_name(const char *name, struct status *status) {
     const size_t length = strlen(name);
     if (!length || (length > 4 && !strcasecmp(name + length - 4, ".exr")))
@@ -323,7 +313,8 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         o->host.seed = (uint64_t)whole;
         return ok;
     case OPTION_FORMAT:
-        return parse_format(text, &o->host.reading, status);
+        return parse_pair(text, "--format", "1280x1024", SIZE_MAX_PIXELS, &o->host.reading.width,
+                          &o->host.reading.height, status);
     case OPTION_SAMPLES:
         return parse_samples(text, &o->host, status);
     case OPTION_PNG:
@@ -464,6 +455,13 @@ static bool can_write_results(const struct render_options *options, bool is_host
     const char *output = options->host.output && !is_host_program ? options->host.output : "",
                *json = options->json && strcmp(options->json, "-") ? options->json : "";
     const char *const paths[] = {output, json};
+    const uint64_t pixels =
+        (uint64_t)options->host.reading.width * (uint64_t)options->host.reading.height;
+    if (output[0] && pixels > IMAGE_PIXELS_MAX)
+        return status_fail(status, STATUS_INVALID,
+                           "a picture of %d x %d pixels is over the limit of %llu pixels",
+                           options->host.reading.width, options->host.reading.height,
+                           (unsigned long long)IMAGE_PIXELS_MAX);
     for (int i = 0; i < 2; i++) {
         struct replacement_file file;
         if (!paths[i][0])

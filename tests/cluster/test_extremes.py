@@ -257,6 +257,9 @@ def test_pictures_of_every_size():
         path = e.write("large.rib", "Format 16384 16384 1\nWorldBegin\nWorldEnd\n")
         summary = e.render(path, "--driver", "in-process")
         assert summary["frames"][0]["regions"] == 128 * 256 and summary["frames"][0]["samples_covered"] == 0
+        # without a picture to write there is none in memory, and its size has no limit
+        summary = e.render(path, "--driver", "in-process", "--format", "65536x16384")
+        assert summary["frames"][0]["regions"] == 512 * 256 and summary["frames"][0]["samples_covered"] == 0
 
 
 def test_clusters_of_every_size_give_one_picture():

@@ -179,10 +179,12 @@ def test_wrong_options_are_refused():
     with Folder() as folder:
         scene = folder.write("quick.rib", QUICK)
         for option, value in (("-r", "0"), ("-s", "0"), ("-r", "-3"), ("-r", "1000000000"), ("-s", "x"), ("--format", "0x10"),
-                              ("--format", "10"), ("--samples", "3"), ("--samples", "4x0"), ("--format", "65536x65536"),
+                              ("--format", "10"), ("--samples", "3"), ("--samples", "4x0"), ("--format", "65537x1"),
                               ("-s", "2000"), ("--frames", "0"), ("--driver", "magic"),
                               ("--machine", "/nonexistent.json"), ("--transport", "pigeon"), ("--compression", "lots")):
             fails(folder, ["render", scene, option, value], "sortlast:", status=1, seconds=3)
+        fails(folder, ["render", scene, "--format", "65536x65536", "-o", folder.file("x.exr")], "over the limit", status=1,
+              seconds=3)
         fails(folder, ["render"], "no scene", status=1)
         fails(folder, ["render", "--nonsense", scene], "nonsense", status=1)
 
