@@ -548,7 +548,7 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     self->build_context = build_context;
     self->reader = reader;
     self->library = shader_library_create(options->shader_folders, options->shader_folder_count,
-                                          options->fast_math);
+                                          options->fast_math, options->reference_math);
     if (options->is_recorded) {
         self->recorder = run_recorder_create(options->scene, &options->machine, options->seed,
                                              options->fast_math, options->rendering_nodes);

@@ -25,6 +25,7 @@ struct host_options {
     bool write_png;
     uint32_t compression; /* enum image_compression */
     bool fast_math;
+    bool reference_math; /* shaders compute in double precision */
     bool explain_work; /* keep a work_record of each frame */
     bool is_recorded;  /* keep what every chunk and region cost, for host_report.record */
 };

@@ -16,7 +16,7 @@ struct library_entry {
 struct shader_library {
     char **folders;
     int folder_count;
-    bool fast_math;
+    bool fast_math, reference_math;
     struct library_entry **entries; /* pointers: variants must not move */
     size_t count, capacity;
     size_t warned_entry;
@@ -24,13 +24,14 @@ struct shader_library {
 };
 
 struct shader_library *shader_library_create(const char *const *folders, int folder_count,
-                                             bool fast_math) {
+                                             bool fast_math, bool reference_math) {
     struct shader_library *library = memory_get(1, sizeof *library);
     library->folders = memory_get((size_t)folder_count, sizeof *library->folders);
     for (int i = 0; i < folder_count; i++)
         library->folders[i] = memory_copy_string(folders[i]);
     library->folder_count = folder_count;
     library->fast_math = fast_math;
+    library->reference_math = reference_math;
     return library;
 }
 
@@ -168,6 +169,7 @@ static bool compile_sources(struct shader_library *library, const struct shader_
         .exports = material,
         .export_count = is_light ? wanted->material_count : 0,
         .fast_math = library->fast_math,
+        .reference_math = library->reference_math,
         .read_include = read_included,
         .read_include_context = &included};
     const bool ok = shader_compile(sources[0].path, sources[0].text, sources[0].length, &options,

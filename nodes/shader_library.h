@@ -18,7 +18,7 @@ struct shader_variant {
 
 /* `folders`: where NAME.sl is looked for, in order; copied. */
 struct shader_library *shader_library_create(const char *const *folders, int folder_count,
-                                             bool fast_math);
+                                             bool fast_math, bool reference_math);
 void shader_library_destroy(struct shader_library *library);
 
 /* A shader, with the displacement and volume shaders that go with a surface (NULL: none).

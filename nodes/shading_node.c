@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/shading_node.h"
 
+#include "nodes/reference_batch.h"
 #include "nodes/region_exchange.h"
 #include "nodes/shading_frame.h"
 
@@ -45,6 +46,7 @@ struct shading_node {
     struct region_gather gather;
     struct early_messages early; /* before the configuration */
     struct batch batch;
+    struct reference_batch reference; /* for modules that compute in double precision */
     /* scratch for one region */
     uint32_t *order;    /* covered samples, sorted by instance */
     uint32_t *location; /* sample index in the region of each covered sample */
@@ -166,6 +168,28 @@ static void rebuild_positions(struct shading_node *self, const struct shading_fr
     }
 }
 
+/* The same in double precision. */
+static void rebuild_reference_positions(struct shading_node *self,
+                                        const struct shading_frame *frame,
+                                        const struct region_view *region, const uint32_t *order,
+                                        size_t count, size_t padded) {
+    struct reference_batch *batch = &self->reference;
+    const uint32_t width = frame->grid.region_width;
+    const bool is_perspective = frame->frame.is_perspective;
+    for (size_t k = 0; k < padded; k++) {
+        const uint32_t sample = order[k < count ? k : count - 1];
+        const uint32_t at = self->location[sample];
+        const double x = self->screen_x[at % width], y = self->screen_y[at / width];
+        const double z = region->depth[sample], scale = is_perspective ? z : 1;
+        batch->position[0][k] = x * scale;
+        batch->position[1][k] = y * scale;
+        batch->position[2][k] = z;
+        batch->incident[0][k] = is_perspective ? x * z : 0;
+        batch->incident[1][k] = is_perspective ? y * z : 0;
+        batch->incident[2][k] = is_perspective ? z : 1;
+    }
+}
+
 static int shade_batch(struct shading_node *self, const struct shading_frame *frame,
                        const struct region_view *region, struct prepared_shader *instance,
                        const uint32_t *order, const uint8_t *present, size_t count,
@@ -199,7 +223,12 @@ static int shade_batch(struct shading_node *self, const struct shading_frame *fr
         call.color[c] = batch->color[c];
         call.opacity[c] = batch->opacity[c];
     }
-    module->shade(&call);
+    if (module->real_bytes == sizeof(double)) {
+        rebuild_reference_positions(self, frame, region, order, count, padded);
+        reference_batch_shade(&self->reference, module, &call, padded);
+    } else {
+        module->shade(&call);
+    }
     for (int c = 0; c < 3; c++)
         for (size_t k = 0; k < count; k++)
             if (!present || present[k])
@@ -215,6 +244,10 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
     const struct shader_module *module = instance->module;
     batch_reserve(&self->batch, (size_t)module->material_count,
                   (size_t)(module->light_sets * instance->light_count * instance->light_vectors));
+    if (module->real_bytes == sizeof(double))
+        reference_batch_reserve(
+            &self->reference, BATCH_SAMPLES, (size_t)module->material_count,
+            (size_t)(module->light_sets * instance->light_count * instance->light_vectors));
     execution_counts_reset(&instance->counts);
     int overrun = 0;
     struct quads quads = {0};
@@ -571,6 +604,7 @@ static void shading_node_destroy(struct node *node) {
     free(self->batch.memory);
     free(self->batch.material);
     free(self->batch.light_scratch);
+    reference_batch_finish(&self->reference);
     free(self->order);
     free(self->location);
     free(self->screen_x);

@@ -115,8 +115,10 @@ static void print_help(bool is_host_program) {
          "      --chord PIXELS         how far a diced curve may lie from the true one (default "
          "0.1)\n"
          "      --frames N             render N frames; a scene with fewer repeats its last\n"
-         "      --math exact|fast      accurate functions, or the paper's faster ones (default "
-         "exact)\n"
+         "      --math MODE            exact (default): accurate functions; fast: the paper's "
+         "faster ones;\n"
+         "                             reference: everything in double precision, to state errors "
+         "against\n"
          "      --shaders FOLDER       look for shaders here too; may be repeated. Before it: the "
          "scene's\n"
          "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the "
@@ -271,7 +273,7 @@ static bool parse_one(int option, const char *text, struct render_options *o,
     static const char *const drivers[] = {"processes", "in-process", NULL};
     static const char *const transports[] = {"ipc", "tcp", NULL};
     static const char *const compressions[] = {"none", "rle", "zips", "zip", "piz", NULL};
-    static const char *const maths[] = {"exact", "fast", NULL};
+    static const char *const maths[] = {"exact", "fast", "reference", NULL};
     long long whole = 0;
     int choice = 0;
     bool ok = true;
@@ -338,6 +340,7 @@ static bool parse_one(int option, const char *text, struct render_options *o,
     case OPTION_MATH:
         ok = parse_choice(text, "--math", maths, &choice, status);
         o->host.fast_math = choice == 1;
+        o->host.reference_math = choice == 2;
         return ok;
     case OPTION_EXPLAIN_WORK:
         o->host.explain_work = true;

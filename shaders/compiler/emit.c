@@ -40,7 +40,8 @@ void emit_line(struct emitter *e, const char *format, ...) {
 /* What every module starts with. Index conversions clamp first, so that no float is out of an int's
  * range; not a number is element 0. */
 static const char *const support[] = {
-    "#include \"shader_module.h\"\n#include \"vector_math.h\"\n\n",
+    "#include \"shader_module.h\"\n#include \"vector_math.h\"\n"
+    "#ifdef SHADER_REFERENCE\n#define float double\n#endif\n\n",
     "#define SHADER_UNUSED __attribute__((unused))\n"
     "#define SHADER_HELPER static inline SHADER_UNUSED\n\n",
     "SHADER_HELPER vi shader_mask(int truth) {\n    return vi_set(truth ? -1 : 0);\n}\n\n",
@@ -63,7 +64,7 @@ static const char *const support[] = {
     "            array[shader_index(index[i], length)][i] = value[i];\n}\n\n",
     "SHADER_HELPER void shader_store_one(vf *element, vi mask, vf value) {\n"
     "    *element = vf_select(mask, value, *element);\n}\n\n",
-    "SHADER_HELPER int32_t shader_identity(const float *bits) {\n"
+    "SHADER_HELPER int32_t shader_identity(const void *bits) {\n"
     "    int32_t identity;\n"
     "    __builtin_memcpy(&identity, bits, sizeof identity);\n"
     "    return identity;\n}\n\n",
@@ -71,10 +72,10 @@ static const char *const support[] = {
     "    vi mask;\n"
     "    __builtin_memcpy(&mask, bits, sizeof mask);\n"
     "    return mask;\n}\n\n",
-    "SHADER_HELPER const float *shader_matrix(const struct shader_matrices *all, int "
+    "SHADER_HELPER const shader_bound *shader_matrix(const struct shader_matrices *all, int "
     "is_to_camera,\n"
     "                                         int32_t space) {\n"
-    "    static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};\n"
+    "    static const shader_bound identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};\n"
     "    if (space > SHADER_SPACE_CAMERA && space < SHADER_SPACE_COUNT)\n"
     "        return is_to_camera ? all->to_camera[space] : all->from_camera[space];\n"
     "    for (int i = 0; i < all->named_count; i++)\n"
@@ -100,6 +101,11 @@ static const char *const support[] = {
  * (0, 0), (1, 0), (0, 1), (1, 1). A sample without a neighbour in its own row takes the change in
  * the other row. */
 static const char *const neighbours[] = {
+    "SHADER_HELPER vi shader_load_present(const int32_t *present) {\n"
+    "    vi mask = {0};\n"
+    "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
+    "        mask[i] = present[i];\n"
+    "    return mask;\n}\n\n",
     "SHADER_HELPER vi shader_lanes(void) {\n"
     "    vi lanes = {0};\n"
     "    for (int i = 0; i < SHADER_WIDTH; i++)\n"
@@ -197,7 +203,7 @@ static void emit_prepare(struct emitter *e) {
     e->in_prepare = true;
     e->mask = e->loop_mask = -1;
     emit_text(
-        e, "static void shader_prepare(const float *bound, const uint8_t *given,\n"
+        e, "static void shader_prepare(const shader_bound *bound, const uint8_t *given,\n"
            "                           const struct shader_matrices *matrices, struct shader_texts "
            "*texts,\n"
            "                           float *uniform) {\n");
@@ -310,7 +316,7 @@ static void emit_shade(struct emitter *e) {
     emit_variables(e);
     emit_line(e, "const uint64_t k%d SHADER_UNUSED = 0;", e->key);
     if (e->ir->uses_neighbours)
-        emit_line(e, "const vi present = shader_load_mask((const float *)(call->present + at));");
+        emit_line(e, "const vi present = shader_load_present(call->present + at);");
     if (e->ir->uses_ambient || e->ir->uses_illuminance)
         emit_run_lights(e);
     emit_list(e, e->ir->top);
@@ -441,6 +447,7 @@ static void emit_module(struct emitter *e) {
     emit_text(e, "extern const struct shader_module sortlast_shader_module;\n"
                  "const struct shader_module sortlast_shader_module = {\n");
     emit_text(e, "    .abi = SHADER_MODULE_ABI,\n    .width = SHADER_WIDTH,\n");
+    emit_text(e, "    .real_bytes = sizeof(shader_real),\n");
     emit_text(e, "    .name = \"%.128s\",\n", program->name);
     emit_text(e, "    .is_light = %d,\n    .is_ambient = %d,\n", is_light, e->ir->is_ambient);
     emit_text(e, "    .material_count = %d,\n    .material_bytes = %d,\n", program->material_count,
@@ -472,6 +479,8 @@ static bool uses_fixed(const struct ir_program *ir) {
 
 void pass_emit(struct ir_program *ir) {
     struct emitter emitter = {.c = ir->c, .ir = ir}, *e = &emitter;
+    if (ir->c->options && ir->c->options->reference_math)
+        emit_text(e, "#define SHADER_REFERENCE 1\n");
     emit_support(e, support, sizeof support / sizeof *support);
     if (ir->uses_neighbours)
         emit_support(e, neighbours, sizeof neighbours / sizeof *neighbours);

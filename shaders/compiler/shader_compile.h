@@ -92,6 +92,7 @@ struct shader_compile_options {
         fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
     uint32_t passes_left_out; /* bit i: shader_pass_name(i) does not run, if it is optional */
     const char *dump;         /* the name of a pass whose IR is wanted in shader_program.dump */
+    bool reference_math; /* C that computes in double precision (shaders/simd/vector_double.h) */
     /* The text of a file named by #include, or NULL when there is none; a name in an included file
      * is first asked for next to that file. The bytes stay the callee's and must not change until
      * the compilation ends. NULL: #include is an error. */

@@ -13,7 +13,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define SHADER_MODULE_ABI 3
+/* What uniform and varying values are computed in and cross this interface as. Nodes take a
+ * module's real_bytes to know which; where that is 8, every shader_real they pass is a double.
+ * Bound parameters and matrices are floats in either case, as the scene gives them. */
+#ifdef SHADER_REFERENCE
+typedef double shader_real;
+#else
+typedef float shader_real;
+#endif
+typedef float shader_bound;
+
+#define SHADER_MODULE_ABI 4
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
 /* A varying loop that runs longer than this at any sample stops there; the call's overrun flag is
@@ -54,10 +64,10 @@ struct shader_matrices {
 /* What one light does to one vector of samples. Direction L points from the light to the surface.
  */
 struct shader_light_sample {
-    float *direction[3]; /* SHADER_WIDTH floats each; untouched by an ambient light */
-    float *color[3];     /* Cl */
+    shader_real *direction[3]; /* SHADER_WIDTH floats each; untouched by an ambient light */
+    shader_real *color[3];     /* Cl */
     int32_t *lit;        /* -1 where the light's cone reaches the sample, else 0 */
-    float *exports;      /* a vector for each component that the module exports; NULL: unwanted */
+    shader_real *exports;      /* a vector for each component that the module exports; NULL: unwanted */
 };
 
 /* Strings at run time are identity numbers; this is what knows their texts, for shaders that make
@@ -80,7 +90,7 @@ struct shader_call;
 /* One light of the frame as surface shaders meet it. */
 struct shader_light {
     const struct shader_module *module;
-    const float *uniform; /* filled by module->prepare */
+    const shader_real *uniform; /* filled by module->prepare */
     const struct shader_matrices *matrices;
     struct shader_counters *counters;
     struct shader_texts *texts; /* of the light; NULL unless its module uses texts */
@@ -106,27 +116,29 @@ struct shader_counters {
  * lanes past `count` repeat a valid sample. All planes are 64-byte aligned. */
 struct shader_call {
     size_t count;
-    const float *const *material; /* one plane per component of the transfer map, in its order */
-    const float *position[3];     /* P, rebuilt from depth */
-    const float *incident[3];     /* I: from the eye to P (perspective) or the viewing direction */
+    const shader_real *const
+        *material;                  /* one plane per component of the transfer map, in its order */
+    const shader_real *position[3]; /* P, rebuilt from depth */
+    const shader_real
+        *incident[3]; /* I: from the eye to P (perspective) or the viewing direction */
     /* For modules that use neighbours: -1 where a lane is a sample, 0 where it repeats another
      * sample of its quad to fill it up. Lanes 4q to 4q + 3 are then the samples of a quad, (0, 0),
      * (1, 0), (0, 1) and (1, 1) from an even column and row of the picture. Others need not set it.
      */
     const int32_t *present;
-    const float *uniform; /* filled by module->prepare */
+    const shader_real *uniform; /* filled by module->prepare */
     const struct shader_matrices *matrices;
     uint32_t instance; /* tells instances that use the same lights apart */
     const struct shader_light *lights;
     int light_count;
     int light_vectors;    /* 7 and the most that one of the lights exports */
-    float *light_scratch; /* module->light_sets * light_count * light_vectors vectors, for results of
+    shader_real *light_scratch; /* module->light_sets * light_count * light_vectors vectors, for results of
                              lights shared by illuminance loops */
     struct shader_texts *texts; /* NULL unless the module uses texts */
     struct shader_counters *counters;
-    float *color[3];   /* Ci out */
-    float *opacity[3]; /* Oi out */
-    int overrun;       /* set when a loop reached SHADER_LOOP_LIMIT */
+    shader_real *color[3];   /* Ci out */
+    shader_real *opacity[3]; /* Oi out */
+    int overrun;             /* set when a loop reached SHADER_LOOP_LIMIT */
 };
 
 /* Where a block's operations run, for reports. */
@@ -149,7 +161,8 @@ struct shader_block {
 
 struct shader_module {
     uint32_t abi;
-    uint32_t width; /* SHADER_WIDTH it was compiled for */
+    uint32_t width;      /* SHADER_WIDTH it was compiled for */
+    uint32_t real_bytes; /* sizeof(shader_real) in the module: 4, or 8 in the reference */
     const char *name;
     int is_light, is_ambient;
     int material_count; /* components of the transfer map, a float of the planes each */
@@ -172,15 +185,15 @@ struct shader_module {
     /* Uniform code, run once per instance and whenever a bound value changes: evaluates defaults of
      * parameters not given, then all that depends on uniform values alone. given[i] tells whether
      * bound[i] is set; bound[i] of a string holds its identity number as int32_t bits. */
-    void (*prepare)(const float *bound, const uint8_t *given,
+    void (*prepare)(const shader_bound *bound, const uint8_t *given,
                     const struct shader_matrices *matrices, struct shader_texts *texts,
-                    float *uniform);
+                    shader_real *uniform);
     /* A surface: shades call->count samples. NULL for a light. */
     void (*shade)(struct shader_call *call);
     /* A light: lights one vector of samples at `position` (SHADER_WIDTH floats each). NULL for a
      * surface. `key` is the control path it is called on (see report_trips). */
-    void (*light)(const struct shader_light *self, const float *const position[3], uint64_t key,
-                  struct shader_light_sample *sample, int *overrun);
+    void (*light)(const struct shader_light *self, const shader_real *const position[3],
+                  uint64_t key, struct shader_light_sample *sample, int *overrun);
 };
 
 #endif

@@ -5,8 +5,12 @@
 /* Everything that compiled shaders call: vectors of SHADER_WIDTH samples (vector_types.h), exact
  * functions (vector_exact.h, vector_trigonometry.h), the paper's fast ones (vector_fast.h), noise
  * (vector_noise.h, vector_lattice.h, vector_fixed_noise.h), and here their scalar twins for uniform
- * code: sf_sin(x) has the bits of every lane of vf_sin(vf_set(x)). */
+ * code: sf_sin(x) has the bits of every lane of vf_sin(vf_set(x)). With SHADER_REFERENCE defined
+ * the same names compute in double precision (vector_double.h). */
 
+#ifdef SHADER_REFERENCE
+#include "vector_double.h"
+#else
 #include "vector_exact.h"
 #include "vector_fast.h"
 #include "vector_fixed_noise.h"
@@ -65,5 +69,7 @@ SIMD_FUNCTION void sf_noise3_3(float x, float y, float z, float out[3]) {
     for (int c = 0; c < 3; c++)
         out[c] = value[c][0];
 }
+
+#endif /* SHADER_REFERENCE */
 
 #endif

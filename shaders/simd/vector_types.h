@@ -25,9 +25,15 @@
 #define SIMD_INLINE static inline __attribute__((unused, always_inline))
 #define SIMD_RARE static __attribute__((unused, noinline, cold))
 
+#ifdef SHADER_REFERENCE /* vector_double.h: the same names for lanes of 64 bits */
+typedef double vf __attribute__((vector_size(8 * SHADER_WIDTH)));
+typedef int64_t vi __attribute__((vector_size(8 * SHADER_WIDTH)));
+typedef uint64_t vu __attribute__((vector_size(8 * SHADER_WIDTH)));
+#else
 typedef float vf __attribute__((vector_size(4 * SHADER_WIDTH)));
 typedef int32_t vi __attribute__((vector_size(4 * SHADER_WIDTH)));
 typedef uint32_t vu __attribute__((vector_size(4 * SHADER_WIDTH)));
+#endif
 typedef double hd __attribute__((vector_size(4 * SHADER_WIDTH)));
 typedef int64_t hl __attribute__((vector_size(4 * SHADER_WIDTH)));
 typedef uint64_t hu __attribute__((vector_size(4 * SHADER_WIDTH)));
@@ -62,6 +68,16 @@ typedef double simd_doubles __attribute__((vector_size(8 * SHADER_WIDTH)));
 #define SIMD_LANE_SQRTF(x, i) __builtin_sqrtf((x)[i])
 #define SIMD_LANE_SQRT(x, i) __builtin_sqrt((x)[i])
 
+/* a where the mask's lane is -1, b where it is 0. */
+SIMD_INLINE vf vf_select(vi mask, vf a, vf b) {
+    return (vf)(((vi)a & mask) | ((vi)b & ~mask));
+}
+
+SIMD_INLINE vi vi_select(vi mask, vi a, vi b) {
+    return (a & mask) | (b & ~mask);
+}
+
+#ifndef SHADER_REFERENCE
 SIMD_INLINE vf vf_set(float x) {
     return (vf){SIMD_EACH(SIMD_LANE_SAME, x)};
 }
@@ -77,15 +93,6 @@ SIMD_INLINE vf vf_load(const float *p) {
 
 SIMD_INLINE void vf_store(float *p, vf x) {
     *(vf *)(void *)p = x;
-}
-
-/* a where the mask's lane is -1, b where it is 0. */
-SIMD_INLINE vf vf_select(vi mask, vf a, vf b) {
-    return (vf)(((vi)a & mask) | ((vi)b & ~mask));
-}
-
-SIMD_INLINE vi vi_select(vi mask, vi a, vi b) {
-    return (a & mask) | (b & ~mask);
 }
 
 SIMD_INLINE hd hd_select(hl mask, hd a, hd b) {
@@ -203,5 +210,7 @@ SIMD_INLINE vf vf_round(vf x) {
     vf nearest = down + (vf)((vi)(size - down >= 0.5f) & (vi)vf_set(1.0f));
     return vf_select((vi)(size == size), vf_with_sign(nearest, x), x + 0.0f);
 }
+
+#endif
 
 #endif
