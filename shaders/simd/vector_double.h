@@ -255,6 +255,20 @@ SIMD_FUNCTION double double_random(const double *a, int c) {
     return (double)(double_finish(hash) >> 8) * 0x1p-24;
 }
 
+/* Hashes of lattice corners for fixed-point noise, laid out as vector_noise.h has them in general.
+ */
+#define simd_corner_vector(corner, far) (corner)
+#define simd_corner_shift(corner, far) (8 * (far))
+
+SIMD_FUNCTION void vi_corner_hashes(vi i, vi j, vi k, vi h[4]) {
+    const uint8_t *p = simd_permutation;
+    for (int lane = 0; lane < SHADER_WIDTH; lane++)
+        for (int c = 0; c < 4; c++) {
+            int64_t base = p[(p[(i[lane] + (c & 1)) & 255] + j[lane] + (c >> 1)) & 255] + k[lane];
+            h[c][lane] = p[base & 255] | (int64_t)p[(base + 1) & 255] << 8;
+        }
+}
+
 /* The forms that compiled code calls. `scalars` and `vectors` are parameter lists, `names` the
  * arguments, `lanes` lane i of each. */
 #define DOUBLE_NOISE(name, scalars, vectors, names, lanes)                                         \

@@ -6,7 +6,11 @@
  * is raw * 2^-exponent. Integers only, so that every width gives the same bits. Inner products are
  * rounded to the nearest, halves upwards (ours). */
 
+#ifdef SHADER_REFERENCE
+#include "vector_double.h"
+#else
 #include "vector_noise.h"
+#endif
 
 /* Bits after the point of fractions, weights and results. */
 #define SIMD_FIXED_NOISE_EXPONENT 14
