@@ -14,7 +14,8 @@ struct reference_batch {
     double *light_scratch;
 };
 
-/* Room for batches of `samples` samples and that many vectors of results of lights, kept from one call to the next. */
+/* Room for batches of `samples` samples and that many vectors of results of lights, kept from one
+ * call to the next. */
 void reference_batch_reserve(struct reference_batch *batch, size_t samples, size_t material_count,
                              size_t light_vectors);
 void reference_batch_finish(struct reference_batch *batch);

@@ -66,8 +66,8 @@ struct shader_matrices {
 struct shader_light_sample {
     shader_real *direction[3]; /* SHADER_WIDTH floats each; untouched by an ambient light */
     shader_real *color[3];     /* Cl */
-    int32_t *lit;        /* -1 where the light's cone reaches the sample, else 0 */
-    shader_real *exports;      /* a vector for each component that the module exports; NULL: unwanted */
+    int32_t *lit;              /* -1 where the light's cone reaches the sample, else 0 */
+    shader_real *exports; /* a vector for each component that the module exports; NULL: unwanted */
 };
 
 /* Strings at run time are identity numbers; this is what knows their texts, for shaders that make
@@ -131,9 +131,9 @@ struct shader_call {
     uint32_t instance; /* tells instances that use the same lights apart */
     const struct shader_light *lights;
     int light_count;
-    int light_vectors;    /* 7 and the most that one of the lights exports */
-    shader_real *light_scratch; /* module->light_sets * light_count * light_vectors vectors, for results of
-                             lights shared by illuminance loops */
+    int light_vectors;          /* 7 and the most that one of the lights exports */
+    shader_real *light_scratch; /* module->light_sets * light_count * light_vectors vectors, for
+                             results of lights shared by illuminance loops */
     struct shader_texts *texts; /* NULL unless the module uses texts */
     struct shader_counters *counters;
     shader_real *color[3];   /* Ci out */
