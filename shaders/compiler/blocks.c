@@ -24,6 +24,7 @@ struct pricing {
     struct ir_program *ir;
     int illuminances, illuminances_left; /* in the whole shader; not yet passed */
     bool in_illuminance, is_tainted_control;
+    const struct source_location *at; /* of the node at hand */
 };
 
 static int new_block(struct ir_program *ir, int parent) {
@@ -39,8 +40,29 @@ static int new_block(struct ir_program *ir, int parent) {
     return ir->block_count++;
 }
 
+static void count_operations(struct ir_program *ir, const struct source_location *at, int block,
+                             enum shader_stream stream, int operation, int count) {
+    ir->blocks[block].operations[stream][operation] += (uint32_t)count;
+    if (ir->line_cost_count == ir->line_cost_capacity) {
+        const size_t capacity = ir->line_cost_capacity ? ir->line_cost_capacity * 2 : 256;
+        struct shader_line_cost *grown = compilation_get(ir->c, capacity * sizeof *grown);
+        if (ir->line_cost_count)
+            memcpy(grown, ir->line_costs, ir->line_cost_count * sizeof *grown);
+        ir->line_costs = grown;
+        ir->line_cost_capacity = capacity;
+    }
+    ir->line_costs[ir->line_cost_count++] = (struct shader_line_cost){
+        at ? at->line : 0, block, (int)stream, operation, (uint32_t)count};
+}
+
+void ir_count_operations(struct ir_program *ir, const struct ir_node *node, int operation,
+                         int count) {
+    count_operations(ir, node->at, node->block, node->stream, operation, count);
+}
+
 static void add(struct pricing *p, int block, enum shader_stream stream, int operation, int count) {
-    p->ir->blocks[block].operations[stream][operation] += (uint32_t)count;
+    if (count)
+        count_operations(p->ir, p->at, block, stream, operation, count);
 }
 
 static void find_work(struct ir_node *node, void *context) {
@@ -97,6 +119,7 @@ static void price_instruction(struct pricing *p, struct ir_node *node, int block
     enum shader_stream stream = stream_of(p, node);
     int results = 0;
     node->stream = stream;
+    node->block = block;
     if (p->in_illuminance || stream == SHADER_POST_ILLUM)
         ir_each_write(node, write_taint, NULL);
     if (!ir_instruction_is_varying(node) || node->is_free)
@@ -114,7 +137,10 @@ static void price_instruction(struct pricing *p, struct ir_node *node, int block
     } else if (!ir_instruction_reads_varying(node)) {
         add_move(p, node, block, stream, results);
     } else if (ir_operation_is_fixed(node->operation)) {
-        price_fixed(node, p->ir->blocks[block].operations[stream]);
+        uint32_t operations[SIMD_OPERATION_COUNT] = {0};
+        price_fixed(node, operations);
+        for (int i = 0; i < SIMD_OPERATION_COUNT; i++)
+            add(p, block, stream, i, (int)operations[i]);
     } else if (info->cost != IR_FREE) {
         add(p, block, stream, node->is_fast ? simd_operation_fast(info->cost) : info->cost,
             results);
@@ -170,6 +196,7 @@ static void price_list(struct pricing *p, struct ir_list *list, int block) {
         bool outer = p->is_tainted_control;
         if (node->is_prepared)
             continue;
+        p->at = node->at;
         if (node->kind == NODE_INSTRUCTION) {
             price_instruction(p, node, block);
             continue;

@@ -49,7 +49,10 @@ struct ir_variable {
     bool in_prepare, in_shade, is_written_in_prepare, is_written_in_shade; /* hoist.c */
     int slot;                        /* first float in the uniform block, -1 when not there */
     int demanded_bits;               /* scratch of fixed_sizes.c */
-    bool is_renamed;                 /* scratch of ssa.c */
+    bool is_renamed; /* scratch of ssa.c */
+    struct ir_variable *declared; /* that it is a web or an element of; NULL: its own */
+    struct ir_variable **elements; /* scratch of array_elements.c */
+    bool is_indexed;               /* likewise: by something not known here */
     int use_count, definition_count; /* scratch of merge_moves.c */
     struct ir_node *definition;
     struct ir_use *uses; /* scratch of infer_storage.c and dead_code.c */
@@ -168,8 +171,9 @@ struct ir_program {
     int uniform_count;     /* floats of the uniform block */
     bool has_prepare_loop; /* slot 0 holds the overrun flag of prepare */
     struct shader_block *blocks;
-    int *block_depths;
     int block_count, block_capacity;
+    struct shader_line_cost *line_costs;
+    size_t line_cost_count, line_cost_capacity;
 };
 
 /* Floats that one value takes in the uniform block. */
@@ -276,6 +280,10 @@ struct checked_unit {
 /* The kind of the program is that of `units[main]`. */
 struct ir_program *lower_units(struct compilation *c, const struct checked_unit *units, int count,
                                int main);
+/* Counts operations that the array is issued for a node: in its block and stream, on its line. The
+ * node must have been through pass_blocks. */
+void ir_count_operations(struct ir_program *ir, const struct ir_node *node, int operation,
+                         int count);
 /* Adds what a varying fixed-point operation costs to counts by simd_operation (price_fixed.c). */
 void price_fixed(const struct ir_node *node, uint32_t *operations);
 /* Stops the compilation with STATUS_INTERNAL when the IR breaks a rule of this file; `after` names

@@ -64,6 +64,14 @@ static void finish_program(struct compilation *c, const struct ir_program *ir) {
     program->warning_count = c->warning_count;
     if (!program->c_source || !program->warnings || !program->queries || !program->named_spaces)
         compile_limit(c, NULL, "the shader needs more memory than the compiler may use");
+    program->line_costs =
+        arena_get(&program->arena, (ir->line_cost_count + 1) * sizeof *program->line_costs);
+    if (!program->line_costs)
+        compile_limit(c, NULL, "the shader needs more memory than the compiler may use");
+    if (ir->line_cost_count)
+        memcpy((void *)program->line_costs, ir->line_costs,
+               ir->line_cost_count * sizeof *ir->line_costs);
+    program->line_cost_count = (int)ir->line_cost_count;
     if (c->warning_count)
         memcpy(program->warnings, c->warnings,
                (size_t)c->warning_count * sizeof *program->warnings);

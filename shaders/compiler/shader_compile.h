@@ -5,6 +5,7 @@
 #include "base/arena.h"
 #include "base/status.h"
 #include "shaders/compiler/fixed_format.h"
+#include "shaders/compiler/shader_memory.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -90,6 +91,7 @@ struct shader_compile_options {
     int export_count;
     bool
         fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
+    int pixel_memory_bytes;   /* of the machine; 0: 256 */
     uint32_t passes_left_out; /* bit i: shader_pass_name(i) does not run, if it is optional */
     const char *dump;         /* the name of a pass whose IR is wanted in shader_program.dump */
     bool reference_math; /* C that computes in double precision (shaders/simd/vector_double.h) */
@@ -98,6 +100,14 @@ struct shader_compile_options {
      * the compilation ends. NULL: #include is an error. */
     const char *(*read_include)(void *context, const char *name, size_t *length);
     void *read_include_context;
+};
+
+/* What one line of the source makes the array do each time a block runs. Uniform code is free and
+ * not listed. */
+struct shader_line_cost {
+    int line, block;
+    int stream, operation; /* enum shader_stream, enum simd_operation */
+    uint32_t count;
 };
 
 struct shader_program {
@@ -120,6 +130,9 @@ struct shader_program {
     const char *category; /* of a light: the default of its parameter __category, "" without */
     const char *c_source;
     size_t c_length;
+    struct shader_memory memory;
+    const struct shader_line_cost *line_costs;
+    int line_cost_count;
     const char *dump; /* of the pass that options name; NULL when none */
     /* warnings, each "file:line:column: warning: ..." with the source line and a caret */
     const char **warnings;
