@@ -69,19 +69,31 @@ void execution_counts_reset(struct execution_counts *counts) {
     counts->generation++;
 }
 
-void execution_counts_add_operations(const struct execution_counts *counts,
-                                     uint64_t operations[SIMD_OPERATION_COUNT],
-                                     uint64_t streams[SHADER_STREAM_COUNT]) {
+static void add_stream(const struct execution_counts *counts, int stream,
+                       uint64_t operations[SIMD_OPERATION_COUNT], uint64_t *total) {
     for (int b = 0; b < counts->module->block_count; b++) {
         const struct shader_block *block = &counts->module->blocks[b];
         const uint64_t executions = counts->counters.block_executions[b];
-        if (!executions)
-            continue;
-        for (int stream = 0; stream < SHADER_STREAM_COUNT; stream++)
-            for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++) {
-                const uint64_t issued = executions * block->operations[stream][operation];
-                operations[operation] += issued;
-                streams[stream] += issued;
-            }
+        for (int operation = 0; operation < SIMD_OPERATION_COUNT && executions; operation++) {
+            const uint64_t issued = executions * block->operations[stream][operation];
+            operations[operation] += issued;
+            *total += issued;
+        }
     }
+}
+
+void execution_counts_add_operations(const struct execution_counts *counts,
+                                     uint64_t operations[SIMD_OPERATION_COUNT],
+                                     uint64_t streams[SHADER_STREAM_COUNT]) {
+    for (int stream = 0; stream < SHADER_STREAM_COUNT; stream++)
+        if (stream != SHADER_SHARED)
+            add_stream(counts, stream, operations, &streams[stream]);
+}
+
+void execution_counts_shared_operations(const struct execution_counts *counts,
+                                        uint64_t operations[SIMD_OPERATION_COUNT]) {
+    uint64_t total = 0;
+    for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
+        operations[operation] = 0;
+    add_stream(counts, SHADER_SHARED, operations, &total);
 }

@@ -26,7 +26,11 @@ void execution_counts_init(struct execution_counts *counts, const struct shader_
 void execution_counts_finish(struct execution_counts *counts);
 /* Begins a new region. */
 void execution_counts_reset(struct execution_counts *counts);
-/* Adds the operations issued since the last reset, by operation and by stream. */
+/* Operations of the shared stream since the last reset: several shaders run it together. */
+void execution_counts_shared_operations(const struct execution_counts *counts,
+                                        uint64_t operations[SIMD_OPERATION_COUNT]);
+/* Adds the operations issued since the last reset, by operation and by stream; the shared stream is
+ * left out. */
 void execution_counts_add_operations(const struct execution_counts *counts,
                                      uint64_t operations[SIMD_OPERATION_COUNT],
                                      uint64_t streams[SHADER_STREAM_COUNT]);

@@ -350,6 +350,22 @@ static uint32_t begin_lights(struct shading_frame *frame, struct prepared_shader
     return lights;
 }
 
+/* The shared stream runs once for all instances that ask for it (PF section 6.1.5.3), as long as
+ * the neediest needs it. */
+static void collect_shared(struct prepared_shader **instances, size_t instance_count,
+                           struct shading_work *work) {
+    uint64_t most[SIMD_OPERATION_COUNT] = {0}, one[SIMD_OPERATION_COUNT];
+    for (size_t i = 0; i < instance_count; i++) {
+        execution_counts_shared_operations(&instances[i]->counts, one);
+        for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
+            most[operation] = one[operation] > most[operation] ? one[operation] : most[operation];
+    }
+    for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++) {
+        work->operations[operation] += most[operation];
+        work->streams[SHADER_SHARED] += most[operation];
+    }
+}
+
 /* What the array is charged for this region: position reconstruction once, each light once, each
  * instance. */
 static void collect_work(struct shading_frame *frame, struct prepared_shader **instances,
@@ -359,6 +375,7 @@ static void collect_work(struct shading_frame *frame, struct prepared_shader **i
     work->operations[SIMD_FLOAT_MULTIPLY] = frame->frame.is_perspective ? 4 : 2; /* times z */
     work->streams[SHADER_PRE_ILLUM] =
         work->operations[SIMD_FLOAT_ADD] + work->operations[SIMD_FLOAT_MULTIPLY];
+    collect_shared(instances, instance_count, work);
     work++;
     for (size_t l = 0; l < frame->light_count; l++) {
         if (!frame->lights[l].is_counted)

@@ -59,8 +59,8 @@ static void print_samples(FILE *stream, const struct frame_record *f) {
 
 static void print_entries(FILE *stream, const struct work_record *work) {
     uint64_t total[SHADER_STREAM_COUNT] = {0};
-    fprintf(stream, "  %-28s %7s %10s %10s %10s %10s %10s\n", "instructions issued for", "regions",
-            "samples", "pre-illum", "illum", "post-illum", "light");
+    fprintf(stream, "  %-28s %7s %10s %10s %10s %10s %10s %10s\n", "instructions issued for",
+            "regions", "samples", "pre-illum", "illum", "post-illum", "light", "shared");
     for (uint32_t i = 0; i < work->count; i++) {
         const struct instance_work *entry = &work->instances[i];
         for (int s = 0; s < SHADER_STREAM_COUNT; s++)
@@ -68,14 +68,17 @@ static void print_entries(FILE *stream, const struct work_record *work) {
         if (entry->regions)
             fprintf(stream,
                     "    %-26s %7u %10" PRIu64 " %10" PRIu64 " %10" PRIu64 " %10" PRIu64
-                    " %10" PRIu64 "\n",
+                    " %10" PRIu64 " %10" PRIu64 "\n",
                     has_module(entry) ? entry->name : "(positions)", entry->regions, entry->samples,
                     entry->streams[SHADER_PRE_ILLUM], entry->streams[SHADER_ILLUM],
-                    entry->streams[SHADER_POST_ILLUM], entry->streams[SHADER_LIGHT]);
+                    entry->streams[SHADER_POST_ILLUM], entry->streams[SHADER_LIGHT],
+                    entry->streams[SHADER_SHARED]);
     }
-    fprintf(stream, "    %-26s %7s %10s %10" PRIu64 " %10" PRIu64 " %10" PRIu64 " %10" PRIu64 "\n",
+    fprintf(stream,
+            "    %-26s %7s %10s %10" PRIu64 " %10" PRIu64 " %10" PRIu64 " %10" PRIu64 " %10" PRIu64
+            "\n",
             "all", "", "", total[SHADER_PRE_ILLUM], total[SHADER_ILLUM], total[SHADER_POST_ILLUM],
-            total[SHADER_LIGHT]);
+            total[SHADER_LIGHT], total[SHADER_SHARED]);
 }
 
 /* What kinds of operations the frame needed: those that are not listed were not issued. */

@@ -27,7 +27,7 @@ static cJSON *operations_json(const uint64_t operations[SIMD_OPERATION_COUNT]) {
 
 static cJSON *entry_json(const struct instance_work *work) {
     static const char *const streams[SHADER_STREAM_COUNT] = {"pre_illum", "illum", "post_illum",
-                                                             "light"};
+                                                             "light", "shared"};
     cJSON *entry = cJSON_CreateObject();
     cJSON_AddStringToObject(entry, "name",
                             work->instance == SHADING_WORK_SHARED ? "positions" : work->name);

@@ -91,6 +91,8 @@ static enum shader_stream stream_of(struct pricing *p, struct ir_node *node) {
     bool is_tainted = p->is_tainted_control;
     if (p->ir->kind == SHADER_KIND_LIGHT)
         return SHADER_LIGHT;
+    if (node->is_shared)
+        return SHADER_SHARED;
     ir_each_read(node, read_taint, &is_tainted);
     ir_each_write(node, read_taint, &is_tainted); /* blends with what an illuminance left there */
     if (p->in_illuminance)
@@ -120,7 +122,7 @@ static void price_instruction(struct pricing *p, struct ir_node *node, int block
     int results = 0;
     node->stream = stream;
     node->block = block;
-    if (p->in_illuminance || stream == SHADER_POST_ILLUM)
+    if (p->in_illuminance || stream == SHADER_POST_ILLUM || stream == SHADER_SHARED)
         ir_each_write(node, write_taint, NULL);
     if (!ir_instruction_is_varying(node) || node->is_free)
         return;
@@ -185,7 +187,7 @@ static void price_illuminance(struct pricing *p, struct ir_node *node, int block
     bool outer = p->in_illuminance;
     p->in_illuminance = true;
     node->block = new_block(p->ir, block);
-    add(p, node->block, SHADER_ILLUM, SIMD_LOGIC, 2);
+    add(p, node->block, node->is_shared ? SHADER_SHARED : SHADER_ILLUM, SIMD_LOGIC, 2);
     price_list(p, node->body, node->block);
     p->in_illuminance = outer;
     p->illuminances_left--;

@@ -346,6 +346,9 @@ static struct ast_expression *check_cast(struct checker *k, struct ast_expressio
             compile_error(k->c, &e->at, "there are no values of this type");
         return fail(e);
     }
+    if (e->left->array_length == 3 && ast_type_is_triple(e->type) &&
+        (from == TYPE_FLOAT || ast_type_is_fixed(from)))
+        e->left = check_convert(k, e->left, e->type);
     bool is_fine = ast_conversion_cost(from, e->type) >= 0 ||
                    (ast_type_is_triple(from) && ast_type_is_triple(e->type));
     if (!is_fine || e->left->array_length) {

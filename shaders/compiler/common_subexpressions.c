@@ -105,7 +105,8 @@ static bool same_results(const struct ir_node *known, const struct ir_node *node
 static bool is_same(const struct ir_node *known, const struct ir_node *node) {
     if (known->operation != node->operation || known->index != node->index ||
         known->parameter != node->parameter || known->is_fast != node->is_fast ||
-        known->is_free != node->is_free || !same_results(known, node))
+        known->is_free != node->is_free || known->is_shared != node->is_shared ||
+        !same_results(known, node))
         return false;
     const bool asks_neighbours =
         node->operation == IR_DIFFERENCE_X || node->operation == IR_DIFFERENCE_Y;

@@ -34,6 +34,7 @@ struct ir_variable *ir_variable_new(struct ir_program *ir, struct ir_list *home,
     variable->home = home;
     variable->name = name;
     variable->slot = -1;
+    variable->is_shared = ir->is_making_shared;
     variable->next_in_home = home->variables;
     home->variables = variable;
     return variable;
@@ -48,6 +49,7 @@ struct ir_node *ir_node_new(struct ir_program *ir, struct ir_list *list, enum ir
     struct ir_node *node = compilation_get(ir->c, sizeof *node);
     node->kind = kind;
     node->at = at;
+    node->is_shared = ir->is_making_shared;
     node->list = list;
     node->block = node->block_otherwise = node->category = -1;
     if (list->last)

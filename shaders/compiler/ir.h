@@ -49,10 +49,11 @@ struct ir_variable {
     bool in_prepare, in_shade, is_written_in_prepare, is_written_in_shade; /* hoist.c */
     int slot;                        /* first float in the uniform block, -1 when not there */
     int demanded_bits;               /* scratch of fixed_sizes.c */
-    bool is_renamed; /* scratch of ssa.c */
-    struct ir_variable *declared; /* that it is a web or an element of; NULL: its own */
-    struct ir_variable **elements; /* scratch of array_elements.c */
-    bool is_indexed;               /* likewise: by something not known here */
+    bool is_renamed;                 /* scratch of ssa.c */
+    bool is_shared;                  /* of the stream that shaders run together */
+    struct ir_variable *declared;    /* that it is a web or an element of; NULL: its own */
+    struct ir_variable **elements;   /* scratch of array_elements.c */
+    bool is_indexed;                 /* likewise: by something not known here */
     int use_count, definition_count; /* scratch of merge_moves.c */
     struct ir_node *definition;
     struct ir_use *uses; /* scratch of infer_storage.c and dead_code.c */
@@ -102,9 +103,10 @@ struct ir_node {
     struct ir_operand operands[IR_OPERANDS_MAX];
     int index;
     struct shader_parameter *parameter;
-    int order;    /* in the text, scratch of propagate_copies.c */
-    bool is_free; /* loads what is in pixel memory already */
-    bool is_fast; /* takes the fast version of a mathematical function */
+    int order;      /* in the text, scratch of propagate_copies.c */
+    bool is_free;   /* loads what is in pixel memory already */
+    bool is_shared; /* of the stream that shaders run together */
+    bool is_fast;   /* takes the fast version of a mathematical function */
     /* if (condition) body else otherwise
      * loop: test; leave unless condition; body
      * illuminance: body once per light, for the samples it lights; the condition is of LIGHTS_AT,
@@ -166,7 +168,8 @@ struct ir_program {
     int named_space_count;
     bool uses_any_space;
     int light_sets;       /* sets of results of lights, the shared one included */
-    bool uses_neighbours; /* differences between samples */
+    bool is_making_shared; /* new nodes belong to the shared stream */
+    bool uses_neighbours;  /* differences between samples */
     uint32_t spaces;
     int uniform_count;     /* floats of the uniform block */
     bool has_prepare_loop; /* slot 0 holds the overrun flag of prepare */

@@ -104,7 +104,10 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
     l->in_default = false;
     for (struct ast_expression *a = e->arguments; a; a = a->next, formal = formal->next)
         bind_formal(l, e, formal, &arguments[i++], &a->at);
+    const bool is_shared = l->ir->is_making_shared;
+    l->ir->is_making_shared |= function->is_prelude && !strcmp(function->name, "shared_phong");
     struct ir_value result = lower_body(l, function, &e->at);
+    l->ir->is_making_shared = is_shared;
     i = 0;
     formal = function->formals;
     for (struct ast_expression *a = e->arguments; a; a = a->next, formal = formal->next, i++) {

@@ -18,6 +18,7 @@ enum {
     POSITION_BYTES = 12,
     LIGHT_BYTES = 25,   /* colour, direction, whether it is lit */
     AMBIENT_BYTES = 12, /* sum of the ambient lights */
+    SHARED_BYTES = 52,  /* what shared_phong is given, and its result */
     DEFAULT_BYTES = 256,
 };
 
@@ -70,8 +71,16 @@ static void touch(struct ir_variable *variable, void *context) {
     range->touches++;
 }
 
+/* What the shared stream takes is handed over when pre-illum ends, and what it works with is not
+ * the shader's. */
 static void touch_node(struct memory_plan *plan, struct ir_node *node) {
     struct touch t = {plan, node};
+    if (plan->stream == SHADER_SHARED) {
+        plan->has_shared = true;
+        plan->position = plan->memory->illum_begin - 1;
+        ir_each_read(node, touch, &t);
+        return;
+    }
     plan->position++;
     node->order = plan->position;
     ir_each_read(node, touch, &t);
@@ -178,6 +187,8 @@ static void number_program(struct memory_plan *plan) {
         plan->stream = (enum shader_stream)stream;
         const int begin = plan->position + 1;
         number_list(plan, ir->top);
+        if (stream != SHADER_SHARED)
+            memory->instructions = plan->position;
         if (stream != SHADER_ILLUM)
             continue;
         memory->illum_begin = begin;
@@ -185,7 +196,7 @@ static void number_program(struct memory_plan *plan) {
         if (plan->position >= begin)
             memory_add_loop(plan, NULL, begin, plan->position);
     }
-    memory->instructions = plan->position;
+    plan->position = memory->instructions;
     struct ir_variable *results[IR_RESULTS_MAX];
     const int count = ir_results(ir, results);
     plan->position++;
@@ -197,9 +208,14 @@ static void number_program(struct memory_plan *plan) {
 static int compare_ranges(const void *a, const void *b) {
     const struct memory_range *x = *(struct memory_range *const *)a,
                               *y = *(struct memory_range *const *)b;
-    return x->first != y->first ? (x->first > y->first) - (x->first < y->first)
-                                : (x->variable->id > y->variable->id) -
-                                      (x->variable->id < y->variable->id);
+    return x->first != y->first
+               ? (x->first > y->first) - (x->first < y->first)
+               : (x->variable->id > y->variable->id) - (x->variable->id < y->variable->id);
+}
+
+static bool is_of_shared(const struct ir_variable *variable) {
+    return variable->definition && variable->definition->kind == NODE_INSTRUCTION &&
+           variable->definition->is_shared;
 }
 
 /* The variables that want a place, by first assignment. */
@@ -210,7 +226,7 @@ static void collect_ranges(struct memory_plan *plan) {
         struct memory_range *range = &plan->ranges[i];
         range->variable = ir->variables[i];
         range->bytes = memory_variable_bytes(ir->variables[i]);
-        if (range->is_used && !is_alias(ir->variables[i]))
+        if (range->is_used && !is_alias(ir->variables[i]) && !is_of_shared(ir->variables[i]))
             plan->order[plan->count++] = range;
     }
     qsort(plan->order, plan->count, sizeof *plan->order, compare_ranges);
@@ -291,7 +307,7 @@ static void measure_declarations(struct memory_plan *plan, const struct used_sou
     for (size_t i = 0; i < ir->variable_count; i++) {
         const struct ir_variable *variable = ir->variables[i];
         if (variable->declared || !variable->name || variable->type == IR_STRING ||
-            is_parameter(program, variable->name))
+            variable->is_shared || is_parameter(program, variable->name))
             continue;
         memory->total += memory_variable_bytes(variable);
         memory->varying += varies[i] ? memory_variable_bytes(variable) : 0;
@@ -316,16 +332,18 @@ static void measure_surroundings(struct memory_plan *plan) {
     struct shader_memory *memory = plan->memory;
     struct used_sources used = {0};
     ir_each_node(ir->top, find_sources, &used);
+    used.position |= ir->uses_illuminance; /* lights ask for it */
     const bool is_light = ir->kind == SHADER_KIND_LIGHT;
     const bool has_lights = ir->uses_illuminance || is_light;
     measure_declarations(plan, &used);
     memory->position = used.position || used.incident ? POSITION_BYTES : 0;
-    memory->communication =
-        (has_lights ? LIGHT_BYTES : 0) + (ir->uses_ambient ? AMBIENT_BYTES : 0);
+    memory->communication = (has_lights ? LIGHT_BYTES : 0) +
+                            (ir->uses_ambient ? AMBIENT_BYTES : 0) +
+                            (plan->has_shared ? SHARED_BYTES : 0);
     memory->parameters = is_light ? 0 : SHADER_ID_BYTES + ir->c->program->material_bytes;
     const struct shader_compile_options *options = ir->c->options;
-    memory->available = options && options->pixel_memory_bytes ? options->pixel_memory_bytes
-                                                               : DEFAULT_BYTES;
+    memory->available =
+        options && options->pixel_memory_bytes ? options->pixel_memory_bytes : DEFAULT_BYTES;
 }
 
 static void report(struct memory_plan *plan) {

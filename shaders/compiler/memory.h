@@ -31,7 +31,7 @@ struct memory_plan {
     struct memory_loop *loops;
     int position;
     enum shader_stream stream;
-    bool is_found;
+    bool is_found, has_shared;
 };
 
 int memory_variable_bytes(const struct ir_variable *variable);

@@ -38,8 +38,8 @@ static struct memory_range *choose(const struct memory_plan *plan, int room) {
         const bool is_high = range->address + range->bytes > room;
         if (range->is_spilled || range->variable->array_length || !is_idle)
             continue;
-        const double score = (double)(range->last - range->first) / range->touches *
-                             (is_high ? 2 : 1);
+        const double score =
+            (double)(range->last - range->first) / range->touches * (is_high ? 2 : 1);
         if (!best || score > best_score) {
             best = range;
             best_score = score;

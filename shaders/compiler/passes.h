@@ -9,7 +9,8 @@
  *
  * X(name, function, may be left out, uniform and varying are known after it, what it does) */
 #define IR_PASSES(X)                                                                               \
-    X("arrays", pass_array_elements, true, false, "variables for elements that are named outright") \
+    X("arrays", pass_array_elements, true, false,                                                  \
+      "variables for elements that are named outright")                                            \
     X("ssa", pass_ssa, true, false, "a variable for each web of assignments and uses")             \
     X("fold", pass_fold_constants, true, false, "instructions on constants, known branches")       \
     X("cse", pass_common_subexpressions, true, false, "what was computed already is not again")    \

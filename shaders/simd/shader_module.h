@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+<<<<<<< HEAD
 /* What uniform and varying values are computed in and cross this interface as. Nodes take a
  * module's real_bytes to know which; where that is 8, every shader_real they pass is a double.
  * Bound parameters and matrices are floats in either case, as the scene gives them. */
@@ -23,6 +24,8 @@ typedef float shader_real;
 #endif
 typedef float shader_bound;
 
+=======
+>>>>>>> 1d8a9f1 (Allocate pixel memory by lifetimes, spill what does not fit, share the Phong stream)
 #define SHADER_MODULE_ABI 4
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
@@ -147,6 +150,7 @@ enum shader_stream {
     SHADER_ILLUM,
     SHADER_POST_ILLUM,
     SHADER_LIGHT,
+    SHADER_SHARED, /* code that all shaders with the flag run together, once (PF section 6.1.5.3) */
     SHADER_STREAM_COUNT
 };
 
