@@ -269,8 +269,16 @@ void ir_propagate_into(struct ir_node *node);
 /* Whether the results follow from operands, index and parameter alone, wherever the instruction
  * stands. */
 static inline bool ir_operation_is_pure(enum ir_operation operation) {
-    return operation != IR_ARRAY_LOAD && operation != IR_ARRAY_STORE &&
-           ir_operations[operation].types[0] != '0';
+    switch (operation) {
+    case IR_ARRAY_LOAD:
+    case IR_ARRAY_STORE:
+    case IR_LIGHTS_AT: /* runs the lights */
+    case IR_LIGHT_KNOWS:
+    case IR_LIGHT_VALUE:
+        return false;
+    default:
+        return ir_operations[operation].types[0] != '0';
+    }
 }
 
 /* lower.c: the syntax trees as IR, on which the passes of passes.h work. Shaders run one after the

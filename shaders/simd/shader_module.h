@@ -13,7 +13,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-<<<<<<< HEAD
 /* What uniform and varying values are computed in and cross this interface as. Nodes take a
  * module's real_bytes to know which; where that is 8, every shader_real they pass is a double.
  * Bound parameters and matrices are floats in either case, as the scene gives them. */
@@ -24,9 +23,7 @@ typedef float shader_real;
 #endif
 typedef float shader_bound;
 
-=======
->>>>>>> 1d8a9f1 (Allocate pixel memory by lifetimes, spill what does not fit, share the Phong stream)
-#define SHADER_MODULE_ABI 4
+#define SHADER_MODULE_ABI 5
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
 /* A varying loop that runs longer than this at any sample stops there; the call's overrun flag is
