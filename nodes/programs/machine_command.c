@@ -2,6 +2,7 @@
 #include "nodes/programs/machine_command.h"
 
 #include "netsim/machine.h"
+#include "nodes/programs/calibrate.h"
 #include "nodes/programs/render_options.h"
 
 #include <cjson/cJSON.h>
@@ -17,6 +18,12 @@ static void print_help(void) {
          "       sortlast machine list               the descriptions that come with the program\n"
          "       sortlast machine check FILE         read and check a description; silent when it "
          "is good\n"
+         "       sortlast machine calibrate [-q] [-o FILE.json] [SCENE.rib]\n"
+         "                                           measure this host, one core a node, and write "
+         "its description\n"
+         "                                           (default host.json); with a scene, predict a "
+         "frame on 1 + 1 nodes\n"
+         "                                           by it and measure one\n"
          "\n"
          "docs/machines.md says how to write one.");
 }
@@ -117,7 +124,9 @@ int machine_main(int argc, char **argv) {
         return list();
     if (!strcmp(what, "check") && argc == 3)
         return check(argv[2]);
-    fprintf(stderr,
-            "sortlast: machine needs show, list or check FILE (see sortlast machine --help)\n");
+    if (!strcmp(what, "calibrate"))
+        return calibrate_main(argc - 1, argv + 1);
+    fprintf(stderr, "sortlast: machine needs show, list, calibrate or check FILE (see sortlast "
+                    "machine --help)\n");
     return 1;
 }

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/programs/program_process.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <malloc.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 volatile sig_atomic_t program_stop;
@@ -61,4 +64,36 @@ void program_memory_keep(void) {
     mallopt(M_MMAP_THRESHOLD, LARGEST_KEPT);
     mallopt(M_TRIM_THRESHOLD, MOST_UNUSED);
     mallopt(M_ARENA_MAX, 2);
+}
+
+char *program_output(char **arguments, int *exit_status) {
+    int ends[2];
+    char *text = NULL;
+    size_t size = 0;
+    if (pipe(ends))
+        return NULL;
+    fflush(NULL);
+    const pid_t child = fork();
+    if (!child) {
+        dup2(ends[1], STDOUT_FILENO);
+        close(ends[0]);
+        close(ends[1]);
+        program_signals_reset();
+        execv("/proc/self/exe", arguments);
+        _exit(2);
+    }
+    close(ends[1]);
+    FILE *stream = open_memstream(&text, &size);
+    char block[4096];
+    for (ssize_t got;
+         (got = read(ends[0], block, sizeof block)) > 0 || (got < 0 && errno == EINTR);)
+        if (got > 0)
+            fwrite(block, 1, (size_t)got, stream);
+    fclose(stream);
+    close(ends[0]);
+    int result = -1;
+    while (child > 0 && waitpid(child, &result, 0) < 0 && errno == EINTR)
+        ;
+    *exit_status = WIFEXITED(result) ? WEXITSTATUS(result) : 3;
+    return text;
 }

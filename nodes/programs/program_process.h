@@ -24,4 +24,8 @@ long program_files_max(void);
  * fetching it again, page fault by page fault, for every region. */
 void program_memory_keep(void);
 
+/* Runs this program with other arguments and waits; returns what it printed on standard output, the
+ * caller's, NULL when it could not be started. */
+char *program_output(char **arguments, int *exit_status);
+
 #endif

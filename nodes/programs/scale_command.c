@@ -8,12 +8,10 @@
 #include "nodes/programs/render_options.h"
 
 #include <cjson/cJSON.h>
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -253,39 +251,6 @@ static int predict_column(const struct scale_options *options, const struct run_
 
 /* ---- live runs ---- */
 
-/* What the program prints; the caller's. */
-static char *run_and_read(char **arguments, int *exit_status) {
-    int ends[2];
-    char *text = NULL;
-    size_t size = 0;
-    if (pipe(ends))
-        return NULL;
-    fflush(NULL);
-    const pid_t child = fork();
-    if (!child) {
-        dup2(ends[1], STDOUT_FILENO);
-        close(ends[0]);
-        close(ends[1]);
-        program_signals_reset();
-        execv("/proc/self/exe", arguments);
-        _exit(2);
-    }
-    close(ends[1]);
-    FILE *stream = open_memstream(&text, &size);
-    char block[4096];
-    for (ssize_t got;
-         (got = read(ends[0], block, sizeof block)) > 0 || (got < 0 && errno == EINTR);)
-        if (got > 0)
-            fwrite(block, 1, (size_t)got, stream);
-    fclose(stream);
-    close(ends[0]);
-    int result = -1;
-    while (child > 0 && waitpid(child, &result, 0) < 0 && errno == EINTR)
-        ;
-    *exit_status = WIFEXITED(result) ? WEXITSTATUS(result) : 3;
-    return text;
-}
-
 /* Runs one cluster; returns an exit status. */
 static int run_live(const struct scale_options *options, const struct run_record *first,
                     struct scale_point *point, struct status *status) {
@@ -314,7 +279,7 @@ static int run_live(const struct scale_options *options, const struct run_record
         list[count++] = format;
     }
     list[count++] = (char *)options->scene;
-    char *text = run_and_read(list, &exit_status);
+    char *text = program_output(list, &exit_status);
     cJSON *document = text && !exit_status ? cJSON_Parse(text) : NULL;
     const cJSON *frames = cJSON_GetObjectItem(document, "frames");
     const cJSON *last = cJSON_GetArrayItem(frames, cJSON_GetArraySize(frames) - 1);
