@@ -256,8 +256,15 @@ static bool job_start(const struct shader_cache *cache, struct job *job, struct 
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&actions, 1, job->words, O_WRONLY | O_CREAT | O_TRUNC, 0600);
     posix_spawn_file_actions_adddup2(&actions, 1, 2);
-    int error =
-        posix_spawnp(&job->pid, cache->compiler, &actions, NULL, (char *const *)arguments, environ);
+    /* a group of its own: signals to this process are not for the compiler, and it and what it
+     * runs end together */
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    int error = posix_spawnp(&job->pid, cache->compiler, &actions, &attributes,
+                             (char *const *)arguments, environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (!error)
         return true;
@@ -272,14 +279,21 @@ static bool job_start(const struct shader_cache *cache, struct job *job, struct 
 /* Waits for one compilation, not forever; keeps the object when it is good. */
 static bool job_finish(const struct shader_cache *cache, struct job *job, struct status *status) {
     int result = 0;
-    const struct timespec pause = {0, 2000000};
+    enum { PAUSE_MS = 2, COMPILER_PATIENCE_MS = 1000 };
+    const struct timespec pause = {0, PAUSE_MS * 1000000};
     struct timespec begin, now;
     clock_gettime(CLOCK_MONOTONIC, &begin);
     pid_t ended;
+    int asked_ms = -1; /* since it was asked to end */
     while ((ended = waitpid(job->pid, &result, WNOHANG)) == 0) {
         clock_gettime(CLOCK_MONOTONIC, &now);
-        if (now.tv_sec - begin.tv_sec > COMPILE_DEADLINE_S || (cache->stop && *cache->stop))
-            kill(job->pid, SIGKILL);
+        if (asked_ms < 0 &&
+            (now.tv_sec - begin.tv_sec > COMPILE_DEADLINE_S || (cache->stop && *cache->stop))) {
+            kill(-job->pid, SIGTERM); /* so that it removes its temporary files */
+            asked_ms = 0;
+        }
+        if (asked_ms >= 0 && (asked_ms += PAUSE_MS) == COMPILER_PATIENCE_MS)
+            kill(-job->pid, SIGKILL);
         nanosleep(&pause, NULL);
     }
     job->pid = 0;
