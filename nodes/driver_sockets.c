@@ -493,9 +493,9 @@ static void wait_for_events(struct socket_driver *driver) {
 static bool loop(struct socket_driver *driver, struct status *status) {
     while (!driver->node->is_finished) {
         bool any = false;
+        describe_on_request(driver); /* even when it is asked to stop meanwhile */
         if (*driver->options->stop)
             return false;
-        describe_on_request(driver);
         if (!flush_queues(driver, status) || !follow_pacer(driver, &any, status) ||
             !drain(driver, driver->control, socket_is_host(driver), 64, &any, status))
             return false;

@@ -48,12 +48,12 @@ static bool run_in_process(struct node *host, const struct render_options *optio
 
 /* When the supervisor itself was killed, nobody else removes the folder of the sockets: as the
  * nodes leave they take their sockets along, and then it can go. */
-static void remove_orphaned_folder(const struct render_options *options, pid_t parent) {
+static void remove_orphaned_folder(const struct render_options *options) {
     enum { TRIES = 100, PAUSE_NS = 20000000 };
     char folder[4096];
     const char *slash = strrchr(options->bind, '/');
-    if (!options->is_supervised || getppid() == parent || strncmp(options->bind, "ipc://", 6) ||
-        !slash)
+    if (!options->supervisor || getppid() == options->supervisor ||
+        strncmp(options->bind, "ipc://", 6) || !slash)
         return;
     snprintf(folder, sizeof folder, "%.*s", (int)(slash - options->bind) - 6, options->bind + 6);
     for (int i = 0; i < TRIES && rmdir(folder) && errno == ENOTEMPTY; i++)
@@ -72,11 +72,10 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
         .describe = &program_describe,
         .pace = options->pace,
         .pace_begin_ns = pace_begin_ns,
-        .supervisor = options->is_supervised ? getppid() : 0,
+        .supervisor = options->supervisor,
     };
-    const pid_t parent = getppid();
     const bool ok = driver_sockets_run(host, &sockets, status);
-    remove_orphaned_folder(options, parent);
+    remove_orphaned_folder(options);
     return ok;
 }
 
@@ -157,7 +156,7 @@ static int run(struct run_view *view,
     view->pace.frame_done_ns = view->progress.frame_done_ns;
     ok = ok && then(context, host_node_report(host), &status);
     render_progress_finish(&view->progress);
-    if (!ok && !(status.code == STATUS_LOST && options->is_supervised) && status.code != STATUS_OK)
+    if (!ok && !(status.code == STATUS_LOST && options->supervisor) && status.code != STATUS_OK)
         fprintf(stderr, "sortlast: %s\n", status.message);
     node_destroy(host);
     local_services_destroy(services);

@@ -108,6 +108,8 @@ static unsigned free_port(void) {
 
 static bool choose_endpoint(struct local_cluster *cluster, struct status *status) {
     if (cluster->options->transport == TRANSPORT_IPC) {
+        if (!make_folder(cluster, status))
+            return false;
         snprintf(cluster->endpoint, sizeof cluster->endpoint, "ipc://%s/host", cluster->folder);
         return true;
     }
@@ -120,11 +122,20 @@ static bool choose_endpoint(struct local_cluster *cluster, struct status *status
 static void become(const struct local_cluster *cluster, const char *const *arguments, pid_t parent,
                    const sigset_t *signals) {
     char path[4096];
+    const bool is_host = !strcmp(arguments[0], node_role_program(NODE_HOST));
+    sigset_t mask = *signals;
     program_signals_reset();
-    sigprocmask(SIG_SETMASK, signals, NULL); /* one that came meanwhile takes effect now */
+    /* The host removes the folder when the supervisor is killed: it must not end by that signal
+     * before it can. It takes the signal as soon as it has a handler. */
+    if (is_host)
+        sigaddset(&mask, SIGTERM);
+    sigprocmask(SIG_SETMASK, &mask, NULL); /* one that came meanwhile takes effect now */
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent)
+    if (getppid() != parent) {
+        if (is_host)
+            remove_folder(cluster->folder);
         _exit(2);
+    }
     setpgid(
         0,
         0); /* an interrupt from the terminal goes to the supervisor alone, which ends the rest */
@@ -157,10 +168,11 @@ static bool start(struct local_cluster *cluster, struct child *child, const char
 
 static bool start_host(struct local_cluster *cluster, int argument_count, char **arguments,
                        struct status *status) {
-    char board[32];
+    char board[32], supervisor[16];
     const char **list = memory_get((size_t)argument_count + 8, sizeof *list);
     int count = 0;
     snprintf(board, sizeof board, "%d", cluster->board_descriptor);
+    snprintf(supervisor, sizeof supervisor, "%d", (int)getpid());
     list[count++] = node_role_program(NODE_HOST);
     for (int i = 1; i < argument_count; i++)
         list[count++] = arguments[i];
@@ -168,7 +180,8 @@ static bool start_host(struct local_cluster *cluster, int argument_count, char *
     list[count++] = cluster->endpoint;
     list[count++] = "--status-board";
     list[count++] = board;
-    list[count++] = "--supervised";
+    list[count++] = "--supervisor";
+    list[count++] = supervisor;
     cluster->children[0].address = (struct node_address){NODE_HOST, 0};
     bool ok = start(cluster, &cluster->children[0], list, status);
     free(list);
@@ -177,10 +190,11 @@ static bool start_host(struct local_cluster *cluster, int argument_count, char *
 
 static bool start_node(struct local_cluster *cluster, uint32_t entry, struct node_address address,
                        struct status *status) {
-    char index[16], board[48], pool[48], deadline[16];
+    char index[16], board[48], pool[48], deadline[16], supervisor[16];
     snprintf(index, sizeof index, "%u", address.index);
     snprintf(board, sizeof board, "%d:%u", cluster->board_descriptor, entry);
     snprintf(deadline, sizeof deadline, "%d", cluster->options->deadline_s);
+    snprintf(supervisor, sizeof supervisor, "%d", (int)getpid());
     const char *list[ARGUMENTS_MAX] = {node_role_program(address.role),
                                        "--host",
                                        cluster->endpoint,
@@ -190,8 +204,9 @@ static bool start_node(struct local_cluster *cluster, uint32_t entry, struct nod
                                        board,
                                        "--deadline",
                                        deadline,
-                                       "--supervised"};
-    int count = 10;
+                                       "--supervisor",
+                                       supervisor};
+    int count = 11;
     if (cluster->options->verbosity > 0)
         list[count++] = "--verbose";
     if (cluster->pool_descriptor >= 0) {
@@ -217,7 +232,7 @@ static bool start_all(struct local_cluster *cluster, int argument_count, char **
         cluster->pool_descriptor = shared_pool_create(cluster->count);
     if (!program_folder(cluster->programs, sizeof cluster->programs))
         return status_fail(status, STATUS_NOT_FOUND, "cannot find the folder of the node programs");
-    if (!make_folder(cluster, status) || !choose_endpoint(cluster, status))
+    if (!choose_endpoint(cluster, status))
         return false;
     bool ok = start_host(cluster, argument_count, arguments, status);
     uint32_t entry = 1;

@@ -33,6 +33,11 @@ void program_signals_install(void) {
     for (size_t i = 0; i < sizeof stops / sizeof *stops; i++)
         sigaction(stops[i], &(struct sigaction){.sa_handler = ask_to_stop}, NULL);
     sigaction(SIGUSR1, &(struct sigaction){.sa_handler = ask_to_describe}, NULL);
+    /* a supervisor may have held back the one that says it is gone */
+    sigset_t held;
+    sigemptyset(&held);
+    sigaddset(&held, SIGTERM);
+    sigprocmask(SIG_UNBLOCK, &held, NULL);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }

@@ -37,7 +37,7 @@ enum {
     OPTION_COMPOSITION,
     OPTION_BIND,
     OPTION_BOARD,
-    OPTION_SUPERVISED,
+    OPTION_SUPERVISOR,
     OPTION_CHORD,
     OPTION_EXPLAIN_WORK,
 };
@@ -71,7 +71,7 @@ static const struct option long_options[] = {
     {"pace", required_argument, NULL, OPTION_PACE},
     {"bind", required_argument, NULL, OPTION_BIND},
     {"status-board", required_argument, NULL, OPTION_BOARD},
-    {"supervised", no_argument, NULL, OPTION_SUPERVISED},
+    {"supervisor", required_argument, NULL, OPTION_SUPERVISOR},
     {0},
 };
 
@@ -86,7 +86,8 @@ static void print_help(bool is_host_program) {
              "      --bind ENDPOINT        ipc://PATH or tcp://ADDRESS:PORT where the nodes will "
              "call\n"
              "      --status-board FD      inherited descriptor of a supervisor's status board\n"
-             "      --supervised           leave it to the supervisor to report lost nodes");
+             "      --supervisor PID       the process that started this one and reports lost "
+             "nodes");
     else
         puts("usage: sortlast render [options] SCENE.rib\n"
              "\n"
@@ -369,9 +370,10 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         ok = parse_whole(text, "--status-board", 0, INT_MAX, &whole, status);
         o->board = (int)whole;
         return ok;
-    case OPTION_SUPERVISED:
-        o->is_supervised = 1;
-        return true;
+    case OPTION_SUPERVISOR:
+        ok = parse_whole(text, "--supervisor", 1, INT_MAX, &whole, status);
+        o->supervisor = (pid_t)whole;
+        return ok;
     default:
         return status_fail(status, STATUS_INVALID, "unknown option");
     }
@@ -498,7 +500,7 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
             return 1;
         }
         if (option == '?' ||
-            (!is_host_program && option >= OPTION_BIND && option <= OPTION_SUPERVISED)) {
+            (!is_host_program && option >= OPTION_BIND && option <= OPTION_SUPERVISOR)) {
             status_fail(&status, STATUS_INVALID, "unknown option or missing value: %s",
                         order[optind - 1]);
             free(order);

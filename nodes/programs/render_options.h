@@ -4,6 +4,8 @@
 
 #include "nodes/host_node.h"
 
+#include <sys/types.h>
+
 /* The options of `sortlast render` and of `sortlast-host`, which takes them over from it. */
 
 enum render_driver { DRIVER_PROCESSES, DRIVER_IN_PROCESS };
@@ -19,10 +21,10 @@ struct render_options {
     const char *record;     /* file for the record of the run, NULL: none */
     bool explain_time;
     int deadline_s;
-    int verbosity;     /* -1 quiet, 0, 1 verbose */
-    const char *bind;  /* sortlast-host: where to listen */
-    int board;         /* descriptor of a status board, -1: none */
-    int is_supervised; /* someone else reports lost nodes */
+    int verbosity;    /* -1 quiet, 0, 1 verbose */
+    const char *bind; /* sortlast-host: where to listen */
+    int board;        /* descriptor of a status board, -1: none */
+    pid_t supervisor; /* started this process and reports lost nodes; 0: none */
     char machine_file[4096];
     char *folders[32];
 };

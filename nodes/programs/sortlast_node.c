@@ -18,7 +18,8 @@ struct node_program_options {
     uint32_t index;
     int board, pool;
     unsigned board_entry, pool_ring;
-    bool is_verbose, is_supervised;
+    bool is_verbose;
+    pid_t supervisor; /* 0: none */
 };
 
 static void print_help(void) {
@@ -38,7 +39,7 @@ static void print_help(void) {
            "      --status-board FD:ENTRY  inherited descriptor of a supervisor's status board\n"
            "      --shared-pool FD:RING  inherited descriptor of memory shared by the nodes of a "
            "local cluster\n"
-           "      --supervised       leave it to the supervisor to report lost nodes\n"
+           "      --supervisor PID   the process that started this one and reports lost nodes\n"
            "  -v, --verbose          say what it does\n"
            "  -h, --help             this text\n"
            "\n"
@@ -56,7 +57,7 @@ static int parse(int argc, char **argv, struct node_program_options *options) {
         {"listen", required_argument, NULL, 'l'},
         {"deadline", required_argument, NULL, 'd'},
         {"status-board", required_argument, NULL, 'b'},
-        {"supervised", no_argument, NULL, 'S'},
+        {"supervisor", required_argument, NULL, 'S'},
         {"shared-pool", required_argument, NULL, 'p'},
         {"verbose", no_argument, NULL, 'v'},
         {"help", no_argument, NULL, 'h'},
@@ -90,7 +91,8 @@ static int parse(int argc, char **argv, struct node_program_options *options) {
             ok = ok && sscanf(optarg, "%d:%u", &options->pool, &options->pool_ring) == 2;
             break;
         case 'S':
-            options->is_supervised = true;
+            options->supervisor = atoi(optarg);
+            ok = ok && options->supervisor > 0;
             break;
         case 'v':
             options->is_verbose = true;
@@ -152,7 +154,7 @@ int main(int argc, char **argv) {
               driver_sockets_run(node, &options.sockets, &status);
     /* under a supervisor the host, once it can be told, or the supervisor itself reports */
     const bool is_told =
-        options.is_supervised && options.sockets.board && options.sockets.board->is_started;
+        options.supervisor && options.sockets.board && options.sockets.board->is_started;
     if (!ok && status.code != STATUS_OK && !is_told)
         fprintf(stderr, "sortlast: %s: %s\n", name, status.message);
     node_destroy(node);

@@ -8,6 +8,7 @@ import resource
 import signal
 import socket
 import subprocess
+import tempfile
 import time
 
 from harness import BUILD, SORTLAST, Folder, main, processes_in
@@ -100,6 +101,21 @@ def test_killing_the_supervisor_leaves_nothing():
         process.kill()
         process.communicate()
         folder.assert_nothing_left()
+
+
+def test_killing_the_supervisor_while_it_starts_leaves_nothing():
+    with Folder() as folder:
+        scene = folder.write("slow.rib", SLOW)
+        for transport in ("ipc", "tcp"):
+            for wait in (0.03, 0.06, 0.1, 0.15, 0.2, 0.3):
+                process = folder.start("render", scene, "-r", 3, "-s", 2, "--transport", transport)
+                deadline = time.time() + 10
+                while len(processes_in(folder.path)) < 2 and time.time() < deadline:
+                    pass
+                time.sleep(wait)
+                process.kill()
+                process.communicate()
+                folder.assert_nothing_left()
 
 
 def test_a_stuck_node_ends_the_run_at_the_deadline_and_all_say_what_they_wait_for():
@@ -250,6 +266,18 @@ def test_an_interrupt_while_shaders_compile_leaves_no_compiler_and_no_file():
         folder.assert_nothing_left()
         left = [name for name in os.listdir(folder.file("cache")) if not name.startswith("runtime-")]
         assert not left, left
+
+
+def test_an_interrupt_or_a_lost_supervisor_while_shaders_compile_leaves_no_file_of_the_compiler():
+    with Folder() as folder:
+        scene = folder.write("slow.rib", SLOW)
+        for number, wait in ((signal.SIGINT, 0.3), (signal.SIGKILL, 0.3), (signal.SIGKILL, 0.6), (signal.SIGTERM, 0.6)):
+            environment = folder.environment(SORTLAST_CACHE=tempfile.mkdtemp(dir=folder.path))
+            process = subprocess.Popen([SORTLAST, "render", scene], cwd=folder.path, env=environment, stderr=subprocess.PIPE)
+            time.sleep(wait)
+            process.send_signal(number)
+            process.communicate(timeout=20)
+            folder.assert_nothing_left()
 
 
 def test_two_variants_of_a_shader_in_an_empty_cache():
