@@ -164,6 +164,29 @@ static bool fill_constants(const struct shader_program *program, const struct bo
     return true;
 }
 
+/* What shaders ask by option(). */
+static void fill_option(const struct scene_camera *camera, const struct shader_parameter *parameter,
+                        float *bound, uint8_t *given) {
+    const double *w = camera->screen_window;
+    const double aspect = (w[1] - w[0]) / (w[3] - w[2]);
+    const struct {
+        const char *name;
+        float values[3];
+    } options[] = {
+        {"Format ()",
+         {(float)camera->width, (float)camera->height,
+          (float)(aspect * camera->height / camera->width)}},
+        {"FrameAspectRatio ()", {(float)aspect}},
+        {"Clipping ()", {(float)camera->near_plane, (float)camera->far_plane}},
+    };
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (!strcmp(options[i].name, parameter->name)) {
+            memcpy(bound + parameter->bound_offset, options[i].values,
+                   (size_t)parameter->components * sizeof(float));
+            memset(given + parameter->bound_offset, 1, (size_t)parameter->components);
+        }
+}
+
 bool bound_parameters_fill(const struct shader_program *program, const struct bound_source *source,
                            float *bound, uint8_t *given, struct status *status) {
     const struct {
@@ -180,6 +203,8 @@ bool bound_parameters_fill(const struct shader_program *program, const struct bo
         return false;
     for (int i = 0; i < program->parameter_count; i++) {
         const struct shader_parameter *parameter = &program->parameters[i];
+        if (parameter->is_global && parameter->bound_offset >= 0 && source->camera)
+            fill_option(source->camera, parameter, bound, given);
         const float *value = !parameter->is_global            ? NULL
                              : !strcmp(parameter->name, "Cs") ? source->color
                              : !strcmp(parameter->name, "Os") ? source->opacity

@@ -13,7 +13,8 @@ struct bound_source {
     const struct scene_parameter *constants;
     int constant_count;
     const struct mat4 *object_to_camera;
-    const float *color, *opacity; /* NULL for lights */
+    const struct scene_camera *camera; /* NULL for lights */
+    const float *color, *opacity;      /* NULL for lights */
 };
 
 /* Fills `bound` and `given` (program->bound_count entries). Points, vectors and normals are brought

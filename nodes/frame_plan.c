@@ -344,6 +344,7 @@ static bool plan_mesh(const struct scene_frame *frame, const struct scene_mesh *
     const struct bound_source source = {.shader = mesh->surface,
                                         .displacement = mesh->displacement,
                                         .atmosphere = mesh->atmosphere,
+                                        .camera = &frame->camera,
                                         .constants = mesh->constants,
                                         .constant_count = mesh->constant_count,
                                         .object_to_camera = &mesh->object_to_camera,

@@ -358,8 +358,8 @@ static bool send_frame(struct host_node *self, struct node_outputs *outputs,
 static bool start(struct host_node *self, struct node_outputs *outputs, struct status *status) {
     const struct configuration configuration = {
         self->options.rendering_nodes, self->options.shading_nodes,
-        self->options.strategy ? self->options.strategy : strategy_at(0),
-        self->options.is_recorded, self->options.machine};
+        self->options.strategy ? self->options.strategy : strategy_at(0), self->options.is_recorded,
+        self->options.machine};
     struct scene_frame *first;
     if (!read_upcoming(self, status))
         return false;

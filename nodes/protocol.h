@@ -19,7 +19,7 @@
 struct configuration {
     uint32_t rendering_nodes, shading_nodes;
     const struct strategy *strategy; /* of composition */
-    uint32_t is_recorded; /* nodes tell the host what each chunk and region cost */
+    uint32_t is_recorded;            /* nodes tell the host what each chunk and region cost */
     struct machine machine;
 };
 struct message *configuration_encode(const struct configuration *configuration);

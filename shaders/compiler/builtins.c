@@ -82,10 +82,6 @@ const char *builtin_neutral(enum builtin_id id, float *value) {
         return "is always 0: there are no image textures";
     case BUILTIN_TRACE:
         return "is always 0: there is no ray tracing";
-    case BUILTIN_ATTRIBUTE:
-    case BUILTIN_OPTION:
-    case BUILTIN_RENDERERINFO:
-        return "is always 0: the scene cannot be asked";
     default:
         return NULL;
     }

@@ -68,6 +68,7 @@
     X(FILTERWIDTH, "filterwidth", "f:f")                                                           \
     X(FILTERWIDTHP, "filterwidthp", "f:p")                                                         \
     X(FILTERSTEP, "filterstep", "f:ff f:fff f:ffs.* f:fffs.*")                                     \
+    X(DEPTH, "depth", "f:p")                                                                       \
     X(DETERMINANT, "determinant", "f:m")                                                           \
     X(TRANSLATE, "translate", "m:mv")                                                              \
     X(ROTATE, "rotate", "m:mfv") /* the other rotate is in the prelude */                          \
@@ -136,7 +137,7 @@ const char *builtin_neutral(enum builtin_id id, float *value);
 const struct builtin *builtin_find(const char *name);
 /* lightsource() and the like, that ask another shader. */
 static inline bool builtin_is_message(enum builtin_id id) {
-    return id >= BUILTIN_LIGHTSOURCE && id <= BUILTIN_OPPOSITE;
+    return id >= BUILTIN_LIGHTSOURCE && id <= BUILTIN_RENDERERINFO;
 }
 /* A function of the language that this machine cannot carry out: the reason to give where code that
  * runs calls it, else NULL. */

@@ -69,13 +69,11 @@ static bool is_literal(const struct ast_expression *e) {
     return e && e->kind == EXPRESSION_STRING;
 }
 
-/* ctransform works on literals only: the spaces are chosen while compiling. */
 static void check_color_spaces(struct checker *k, struct ast_expression *e) {
     struct ast_expression *a = e->arguments;
     for (int i = 0; i < e->argument_count - 1 && a; i++, a = a->next)
-        if (!is_literal(a) || !color_space_is_known(a->name))
-            compile_error(k->c, &a->at,
-                          "ctransform knows the color spaces " COLOR_SPACES ", written out");
+        if (is_literal(a) && !color_space_is_known(a->name))
+            compile_error(k->c, &a->at, "ctransform knows the color spaces " COLOR_SPACES);
 }
 
 /* concat and format of strings written out are strings written out. */
@@ -137,10 +135,10 @@ static struct ast_expression *check_spline(struct checker *k, struct ast_express
                                            enum ast_type wanted) {
     struct ast_expression **a = &e->arguments;
     if (*a && (*a)->type == TYPE_STRING) {
-        if (!is_literal(*a) || !spline_basis_find((*a)->name)) {
+        if (is_literal(*a) && !spline_basis_find((*a)->name)) {
             compile_error(k->c, &(*a)->at,
                           "the basis of a spline is \"catmull-rom\", \"bezier\", \"bspline\", "
-                          "\"hermite\" or \"linear\", written out");
+                          "\"hermite\" or \"linear\"");
             return fail(e);
         }
         a = &(*a)->next;
@@ -245,6 +243,9 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
     case BUILTIN_ATMOSPHERE:
     case BUILTIN_INCIDENT:
     case BUILTIN_OPPOSITE:
+    case BUILTIN_OPTION:
+    case BUILTIN_ATTRIBUTE:
+    case BUILTIN_RENDERERINFO:
         check_message(k, e);
         break;
     default:

@@ -3,13 +3,15 @@
 
 /* Which variables vary from sample to sample: those assigned from something that varies, and those
  * assigned where samples go different ways, unless they live only there. A fixpoint that does not
- * look at the order of assignments. A variable declared uniform never becomes varying; assigning so
- * is the user's mistake. */
+ * look at the order of assignments. A variable declared uniform becomes varying only where samples
+ * go different ways, with a warning (loops count with such variables and leave early for some
+ * samples); to assign it what varies is the user's mistake. */
 
 struct inference {
     struct ir_program *ir;
     struct ir_variable **stack; /* varying, but its readers do not know yet */
     size_t depth;
+    struct ir_variable *source; /* whose readers are being told */
 };
 
 static void mark(struct inference *inference, struct ir_variable *variable) {
@@ -19,8 +21,19 @@ static void mark(struct inference *inference, struct ir_variable *variable) {
     inference->stack[inference->depth++] = variable;
 }
 
+/* What a variable declared uniform in vain is assigned to becomes the same. */
+static void demote(struct ir_variable *variable) {
+    if (variable->type == IR_STRING)
+        return;
+    variable->is_demoted = true;
+    variable->is_declared_uniform = false;
+}
+
 static void mark_visited(struct ir_variable *variable, void *context) {
-    mark(context, variable);
+    struct inference *inference = context;
+    if (inference->source && inference->source->is_demoted && !variable->is_varying)
+        demote(variable);
+    mark(inference, variable);
 }
 
 struct control {
@@ -37,8 +50,11 @@ static bool is_inside(const struct ir_list *list, const struct ir_node *node) {
 
 static void mark_outer(struct ir_variable *variable, void *context) {
     struct control *control = context;
-    if (!is_inside(variable->home, control->node))
-        mark(control->inference, variable);
+    if (is_inside(variable->home, control->node))
+        return;
+    if (variable->is_declared_uniform)
+        demote(variable);
+    mark(control->inference, variable);
 }
 
 static void mark_assigned(struct ir_node *node, void *context) {
@@ -93,11 +109,20 @@ struct report {
     struct compilation *c;
     const struct ir_node *node;
     const struct source_location *last;
+    const char *warned; /* name of the last variable warned of */
 };
 
 static void report_write(struct ir_variable *variable, void *context) {
     struct report *report = context;
     const struct ir_node *node = report->node;
+    if (variable->is_demoted && variable->name && variable->name != report->warned &&
+        varying_control(node, variable)) {
+        compile_warning(
+            report->c, node->at,
+            "uniform '%.64s' is assigned where samples go different ways, and so varies",
+            variable->name);
+        report->warned = variable->name;
+    }
     if (!variable->is_declared_uniform || node->at == report->last)
         return;
     const char *name = variable->name ? variable->name : "string";
@@ -127,6 +152,7 @@ void pass_infer_storage(struct ir_program *ir) {
     ir_each_node(ir->top, start_node, &inference);
     while (inference.depth) {
         struct ir_variable *variable = inference.stack[--inference.depth];
+        inference.source = variable;
         for (struct ir_use *use = variable->uses; use; use = use->next) {
             if (use->node->kind == NODE_INSTRUCTION)
                 ir_each_write(use->node, mark_visited, &inference);

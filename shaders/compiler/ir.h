@@ -43,6 +43,7 @@ struct ir_variable {
     bool is_temporary; /* assigned once */
     bool is_declared_uniform;
     bool is_forced_varying; /* declared so, or a result of the shader */
+    bool is_demoted;        /* declared uniform, and varies all the same: infer_storage.c */
     bool is_varying;        /* infer_storage.c */
     bool is_live;           /* dead_code.c */
     bool is_tainted;        /* depends on an illuminance, blocks.c */

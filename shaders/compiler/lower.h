@@ -103,6 +103,9 @@ struct ir_operand lower_space(struct lowering *l, const struct source_location *
 struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e,
                                   const char *from, const char *to, const struct ir_value *value);
 
+struct ir_value lower_ctransform(struct lowering *l, const struct ast_expression *e,
+                                 const struct ir_value *arguments, int count);
+
 /* Element `index` of the matrix from this space to camera space. */
 struct ir_operand lower_space_element(struct lowering *l, const struct source_location *at,
                                       const struct ir_operand *space, int index);
@@ -172,6 +175,11 @@ struct ir_value *lower_symbol(struct lowering *l, struct ast_symbol *symbol,
 /* Makes the table of parameters of all shaders, and of all predefined variables that could be in a
  * transfer map; bind_parameters.c drops those that nothing reads. */
 void lower_parameter_table(struct lowering *l, const struct checked_unit *units, int count);
+enum { OPTIONS_MAX = 8 };
+void lower_add_option(struct lowering *l, const char *name, int length);
+/* Number `index` of an option, -1: whether it is known. */
+struct ir_operand lower_load_option(struct lowering *l, const struct source_location *at,
+                                    const char *name, int index);
 /* Loads the parameters of one shader. */
 void lower_parameters(struct lowering *l, struct ast_function *shader);
 /* The predefined variable of this name. */
@@ -218,6 +226,11 @@ void lower_lights_begin(struct lowering *l, const struct source_location *at,
                         bool changes_position);
 /* lower_message.c: lightsource and the like */
 struct ir_value lower_message(struct lowering *l, struct ast_expression *e);
+/* lower_question.c: option, attribute, rendererinfo; depth */
+struct ir_value lower_question(struct lowering *l, struct ast_expression *e);
+struct ir_value lower_depth(struct lowering *l, struct ast_expression *e);
+/* Adds to the table what the scene may be asked for. */
+void lower_question_table(struct lowering *l);
 /* What the light offers to those who ask. */
 void lower_exports(struct lowering *l, const struct ast_function *shader);
 

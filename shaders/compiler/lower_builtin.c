@@ -203,7 +203,6 @@ static struct ir_value lower_one_float(struct lowering *l, const struct ast_expr
 struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     struct arguments a = {0};
     struct ir_value difference;
-    const char *to;
     float neutral;
     if (builtin_neutral(e->builtin->id, &neutral))
         return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
@@ -221,6 +220,12 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     case BUILTIN_FORMAT:
     case BUILTIN_MATCH:
         return lower_text_builtin(l, e);
+    case BUILTIN_OPTION:
+    case BUILTIN_ATTRIBUTE:
+    case BUILTIN_RENDERERINFO:
+        return lower_question(l, e);
+    case BUILTIN_DEPTH:
+        return lower_depth(l, e);
     case BUILTIN_LIGHTSOURCE:
     case BUILTIN_SURFACE:
     case BUILTIN_DISPLACEMENT:
@@ -297,9 +302,7 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     case BUILTIN_NTRANSFORM:
         return lower_spaces(l, e, &a, TYPE_NORMAL);
     case BUILTIN_CTRANSFORM:
-        to = a.expression[a.count - 2]->name;
-        return lower_color_space(l, e, a.count == 3 ? a.expression[0]->name : "rgb", to,
-                                 &a.value[a.count - 1]);
+        return lower_ctransform(l, e, a.value, a.count);
     case BUILTIN_AMBIENT:
         return lower_ambient(l, e);
     default:

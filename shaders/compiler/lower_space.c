@@ -140,6 +140,43 @@ struct ir_value lower_transform(struct lowering *l, const struct source_location
     return result;
 }
 
+/* To or from rgb, with a space that is known at run time only; what is no color space is rgb. */
+static struct ir_value lower_chosen_space(struct lowering *l, const struct ast_expression *e,
+                                          struct ir_operand space, bool is_from,
+                                          const struct ir_value *value) {
+    static const char *const names[] = {"hsv", "hsl", "YIQ", "xyz"};
+    struct ir_value result = lower_variables(l, &e->at, TYPE_COLOR, 0, NULL, STORAGE_UNSAID);
+    lower_assign(l, &e->at, &result, value);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        struct ir_list *list = l->list, *scope = l->scope;
+        struct ir_operand is_it =
+            lower_binary(l, &e->at, IR_STRING_EQUAL, space, lower_text(l, names[i]));
+        struct ir_node *node = lower_control(l, NODE_IF, &e->at);
+        node->condition = is_it;
+        l->list = l->scope = node->body;
+        struct ir_value one = is_from ? lower_color_space(l, e, names[i], "rgb", value)
+                                      : lower_color_space(l, e, "rgb", names[i], value);
+        lower_assign(l, &e->at, &result, &one);
+        l->list = list;
+        l->scope = scope;
+    }
+    return result;
+}
+
+struct ir_value lower_ctransform(struct lowering *l, const struct ast_expression *e,
+                                 const struct ir_value *arguments, int count) {
+    const struct ast_expression *from = count == 3 ? e->arguments : NULL,
+                                *to = from ? from->next : e->arguments;
+    struct ir_value value = arguments[count - 1];
+    if (from && from->kind == EXPRESSION_STRING)
+        value = lower_color_space(l, e, from->name, "rgb", &value);
+    else if (from)
+        value = lower_chosen_space(l, e, arguments[0].part[0], true, &value);
+    if (to->kind == EXPRESSION_STRING)
+        return lower_color_space(l, e, "rgb", to->name, &value);
+    return lower_chosen_space(l, e, arguments[count - 2].part[0], false, &value);
+}
+
 struct ir_value lower_color_space(struct lowering *l, const struct ast_expression *e,
                                   const char *from, const char *to, const struct ir_value *value) {
     char name[32];

@@ -92,19 +92,11 @@ static struct ir_value value_in_segment(struct lowering *l, struct spline *s,
     return value;
 }
 
-struct ir_value lower_spline(struct lowering *l, struct ast_expression *e) {
-    struct spline *s = compilation_get(l->c, sizeof *s);
-    struct ast_expression *x = e->arguments;
+static struct ir_value lower_with_basis(struct lowering *l, struct ast_expression *e,
+                                        struct spline *s, struct ir_operand where) {
     struct ir_value sum = {0};
-    s->basis = bases;
-    if (x->kind == EXPRESSION_STRING) {
-        s->basis = spline_basis_find(x->name);
-        x = x->next;
-    }
-    struct ir_operand where = lower_expression(l, x).part[0];
-    for (x = x->next; x; x = x->next)
-        s->values[s->count++] = lower_expression(l, x);
     int length = s->values[0].array_length ? s->values[0].array_length : s->count;
+    memset(s->reached, 0, sizeof s->reached);
     if (length < 4 || (length - 4) % s->basis->step) {
         compile_error(l->c, lower_at(l, &e->at),
                       "a %s spline has 4 values and %d more for each further segment, not %d",
@@ -122,4 +114,46 @@ struct ir_value lower_spline(struct lowering *l, struct ast_expression *e) {
         sum = sum.count ? lower_each(l, &e->at, IR_ADD, &sum, &value) : value;
     }
     return sum;
+}
+
+/* The basis is known at run time only: every one that has a spline of so many values. */
+static struct ir_value lower_any_basis(struct lowering *l, struct ast_expression *e,
+                                       struct spline *s, struct ir_operand name,
+                                       struct ir_operand where) {
+    struct ir_value result = lower_variables(l, &e->at, e->type, 0, NULL, STORAGE_UNSAID);
+    int length = s->values[0].array_length ? s->values[0].array_length : s->count;
+    for (size_t b = 0; b < sizeof bases / sizeof *bases; b++) {
+        struct ir_list *list = l->list, *scope = l->scope;
+        s->basis = &bases[b];
+        if (length < 4 || (length - 4) % s->basis->step)
+            continue;
+        struct ir_operand is_it =
+            lower_binary(l, &e->at, IR_STRING_EQUAL, name, lower_text(l, s->basis->name));
+        struct ir_node *node = lower_control(l, NODE_IF, &e->at);
+        node->condition = is_it;
+        l->list = l->scope = node->body;
+        struct ir_value one = lower_with_basis(l, e, s, where);
+        lower_assign(l, &e->at, &result, &one);
+        l->list = list;
+        l->scope = scope;
+    }
+    return result;
+}
+
+struct ir_value lower_spline(struct lowering *l, struct ast_expression *e) {
+    struct spline *s = compilation_get(l->c, sizeof *s);
+    struct ast_expression *x = e->arguments;
+    struct ir_operand name = {0};
+    s->basis = bases;
+    if (x->type == TYPE_STRING) {
+        if (x->kind == EXPRESSION_STRING)
+            s->basis = spline_basis_find(x->name);
+        else
+            name = lower_expression(l, x).part[0];
+        x = x->next;
+    }
+    struct ir_operand where = lower_expression(l, x).part[0];
+    for (x = x->next; x; x = x->next)
+        s->values[s->count++] = lower_expression(l, x);
+    return name.kind ? lower_any_basis(l, e, s, name, where) : lower_with_basis(l, e, s, where);
 }

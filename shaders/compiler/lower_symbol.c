@@ -378,7 +378,7 @@ static void add_parameters(struct lowering *l, const struct ast_unit *unit) {
 
 void lower_parameter_table(struct lowering *l, const struct checked_unit *units, int count) {
     struct shader_program *program = l->c->program;
-    size_t capacity = (size_t)global_count;
+    size_t capacity = (size_t)global_count + OPTIONS_MAX;
     for (int i = 0; i < count; i++)
         capacity += (size_t)units[i].unit->shader->formal_count;
     program->parameters = arena_get(&program->arena, sizeof *program->parameters * capacity);
@@ -399,6 +399,7 @@ void lower_parameter_table(struct lowering *l, const struct checked_unit *units,
         parameter->is_material = source != GLOBAL_BOUND || is_material(l, globals[i].name);
         parameter->is_varying = parameter->is_material;
     }
+    lower_question_table(l);
 }
 
 void lower_parameters(struct lowering *l, struct ast_function *shader) {
@@ -410,4 +411,16 @@ void lower_parameters(struct lowering *l, struct ast_function *shader) {
         else
             lower_bound_parameter(l, symbol, parameter);
     }
+}
+
+void lower_add_option(struct lowering *l, const char *name, int length) {
+    struct shader_parameter *parameter = add_parameter(l, name, TYPE_FLOAT, length, NULL);
+    parameter->shader = l->ir->kind;
+    parameter->is_global = parameter->is_uniform_declared = true;
+}
+
+struct ir_operand lower_load_option(struct lowering *l, const struct source_location *at,
+                                    const char *name, int index) {
+    return load(l, at, index < 0 ? IR_GIVEN : IR_BOUND, find_global(l, name),
+                index < 0 ? 0 : index);
 }

@@ -60,7 +60,7 @@ struct shader_parameter {
     int bytes;      /* of pixel memory, and in the transfer map */
     enum shader_kind shader; /* whose parameter it is */
     bool is_output;
-    bool is_global;  /* a predefined variable */
+    bool is_global;  /* a predefined variable, or an option of the scene: "Format ()" */
     bool is_varying; /* declared varying, promoted by shader_compile_options.material, or a varying
                         global */
     bool is_uniform_declared; /* says `uniform` in so many words: cannot become material */

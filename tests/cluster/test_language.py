@@ -113,6 +113,16 @@ def test_the_view_has_coordinate_systems():
         check_same(folder, shaders, world('Surface "asks"\n'), world('Surface "knows"\n'), 1e-4)
 
 
+def test_options_of_the_scene_are_known():
+    shaders = {
+        "asks": "surface asks() { float f[3], c[2]; float ok = option(\"Format\", f) * option(\"Clipping\", c);\n"
+                "  Ci = color (f[0] / 96, f[1] / 64 * c[0] * c[1] / 20, ok * depth(P)); }",
+        "knows": "surface knows() { Ci = color (1, 1, (zcomp(P) - 1) / 19); }",
+    }
+    with Folder() as folder:
+        check_same(folder, shaders, world('Surface "asks"\n'), world('Surface "knows"\n'))
+
+
 def test_coordinate_systems_of_the_scene_have_names():
     shaders = {
         "asks": "surface asks(string where = \"here\";) {\n"

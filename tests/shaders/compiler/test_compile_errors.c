@@ -75,9 +75,6 @@ static const struct {
     {"surface a() {\n  uniform float k = s;\n  Ci = k;\n}",
      "test.sl:2:21: error: a value that varies is assigned to uniform 'k'\n  uniform float k = "
      "s;\n                    ^"},
-    {"surface a() {\n  uniform float k = 0;\n  if (s > 0)\n    k = 1;\n  Ci = k;\n}",
-     "test.sl:4:7: error: uniform 'k' is assigned where samples go different ways\n    k = 1;\n    "
-     "  ^"},
     {"surface a(uniform float k = 0;) { Ci = k; }", NULL},
     {"float f(float x) { return g(x); }\nfloat g(float x) { return f(x); }\nsurface a() { Ci = "
      "f(s); }",

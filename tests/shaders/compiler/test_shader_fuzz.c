@@ -13,7 +13,7 @@
 /* Sources that are nearly right find more than noise: seeded mutations of the corpus and the
  * library. */
 
-enum { SOURCE_MAX = 16384 };
+enum { SOURCE_MAX = 16384, FILES_MAX = 160 };
 
 static const char *const words[] = {"float ",
                                     "color ",
@@ -45,6 +45,17 @@ static const char *const words[] = {"float ",
                                     "noise(",
                                     "normalize(",
                                     "transform(\"shader\", ",
+                                    "transform(\"NDC\", ",
+                                    "Du(",
+                                    "lightsource(\"x\", ",
+                                    "format(\"%f\", ",
+                                    "illuminance (\"a\", P, N, 1) ",
+                                    "displacement ",
+                                    "volume ",
+                                    "imager ",
+                                    "option(\"Format\", ",
+                                    "##",
+                                    "#",
                                     "s",
                                     "Ci",
                                     "N",
@@ -126,9 +137,9 @@ static void mutated_shaders_end_in_success_or_a_message(void **state) {
     const char *count_text = getenv("FUZZ_ROUNDS");
     int rounds = count_text ? atoi(count_text) : 30000, compiled = 0;
     struct rng rng = {20240601};
-    static char base[64][SOURCE_MAX], text[SOURCE_MAX];
-    static size_t lengths[64];
-    assert_true(file_count > 0 && file_count <= 64);
+    static char base[FILES_MAX][SOURCE_MAX], text[SOURCE_MAX];
+    static size_t lengths[FILES_MAX];
+    assert_true(file_count > 0 && file_count <= FILES_MAX);
     for (int i = 0; i < file_count; i++) {
         FILE *file = fopen(file_names[i], "rb");
         assert_non_null(file);

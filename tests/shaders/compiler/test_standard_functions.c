@@ -161,16 +161,15 @@ static void missing_parts_have_a_value_and_a_warning(void **state) {
     struct harness_result result;
     run(source, &result);
     assert_true(result.color[0][3] == 1 && result.color[1][3] == 1 && result.color[2][3] == 7.5f);
-    assert_warnings(source,
-                    "texture() is always 1: there are no image textures\n"
-                    "environment() is always 0: there are no image textures\n"
-                    "texture() is always 1: there are no image textures\n"
-                    "shadow() is always 0: there are no shadows\n"
-                    "attribute() is always 0: the scene cannot be asked\n"
-                    "printf is ignored\n"
-                    "trace() is always 0: there is no ray tracing\n"
-                    "surface(\"Kd\") is 0: there is no such shader here\n"
-                    "lightsource(\"intensity\") is 0: lights are asked inside illuminance\n");
+    assert_warnings(source, "texture() is always 1: there are no image textures\n"
+                            "environment() is always 0: there are no image textures\n"
+                            "texture() is always 1: there are no image textures\n"
+                            "shadow() is always 0: there are no shadows\n"
+                            "printf is ignored\n"
+                            "trace() is always 0: there is no ray tracing\n"
+                            "surface(\"Kd\") is 0: there is no such shader here\n"
+                            "lightsource(\"intensity\") is 0: lights are asked inside illuminance\n"
+                            "attribute(\"name\") is 0: it is not known here\n");
 }
 
 static void strings_written_out_are_joined(void **state) {
