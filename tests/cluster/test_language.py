@@ -36,7 +36,8 @@ def close(folder, a, b, largest=2e-5):
 
 
 def check_same(folder, shaders, scene, expected, largest=2e-5):
-    """`scene` equals `expected` up to rounding, and itself bit for bit on other clusters and machines."""
+    """`scene` equals `expected` up to rounding, itself bit for bit on other clusters and machines, and itself in double
+    precision nearly."""
     for name, text in shaders.items():
         folder.write(name + ".sl", text)
     first = picture(folder, "first", scene, "-r", 1, "-s", 1)
@@ -45,6 +46,8 @@ def check_same(folder, shaders, scene, expected, largest=2e-5):
     folder.assert_same_picture(first, other)
     small = picture(folder, "small", scene, "-r", 2, "-s", 3, "--machine", small_regions(folder))
     folder.assert_same_picture(first, small)
+    precise = picture(folder, "reference", scene, "-r", 1, "-s", 1, "--math", "reference")
+    close(folder, first, precise, max(largest, 1e-3))
 
 
 def world(attributes, geometry=WALL, options="", lights=""):
