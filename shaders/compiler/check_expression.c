@@ -131,6 +131,8 @@ static enum ast_type arithmetic_type(int token, enum ast_type a, enum ast_type b
             (token == '*' || token == '/') && (a == b || a == TYPE_FLOAT || b == TYPE_FLOAT);
         return is_fine ? TYPE_MATRIX : TYPE_ERROR;
     }
+    if (a == TYPE_TRIPLE && b == TYPE_FLOAT)
+        return TYPE_TRIPLE;
     if (a == TYPE_FLOAT || a == TYPE_TRIPLE)
         return ast_type_is_triple(b) ? b : TYPE_ERROR;
     if (b == TYPE_FLOAT || b == TYPE_TRIPLE)
