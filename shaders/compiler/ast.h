@@ -80,6 +80,8 @@ struct ast_symbol {
     bool is_formal;    /* of a function (not of the shader) */
     bool is_parameter; /* of the shader */
     bool is_assigned;
+    const struct ast_function
+        *owner; /* the function or shader it is declared in; NULL: predefined */
     const struct ast_global *global; /* predefined variable, or NULL */
     struct source_location at;
     struct ast_expression *initial;  /* NULL: none */
@@ -109,6 +111,7 @@ struct ast_expression {
     int array_length; /* of a whole array named as an argument */
     int token;        /* of the operator; 0 for plain = */
     int depth;        /* of the tree, so that recursion over it is bounded */
+    bool has_effects; /* evaluating it may assign to a variable */
     float number;
     const char *name;
     struct source_location at;
@@ -159,8 +162,6 @@ struct ast_statement {
     struct ast_statement *next;
 };
 
-enum ast_function_state { FUNCTION_UNCHECKED, FUNCTION_BEING_CHECKED, FUNCTION_CHECKED };
-
 /* A user function, one of the prelude, or the shader itself. */
 struct ast_function {
     const char *name;
@@ -172,7 +173,8 @@ struct ast_function {
     bool is_shader, is_prelude;
     bool is_prototype;  /* announced only; in no list */
     bool returns_early; /* has a return other than as its last statement */
-    bool has_outputs;   /* writes to variables of its caller */
+    bool has_outputs;   /* writes to output parameters or to variables outside of it */
+    bool is_checked;
     bool is_being_lowered;
     struct ast_function *next;
 };

@@ -199,10 +199,11 @@ bool builtin_resolve(const struct builtin *builtin, const enum ast_type *argumen
             overload_cost(text, &next, arguments, count, &one_result, one_parameters, &one_mask);
         if (cost < 0)
             continue;
+        cost *= 4; /* arguments first, then what the context would like */
         if (one_result == TYPE_ANY_FIXED && (wanted == TYPE_FLOAT || ast_type_is_fixed(wanted)))
             ; /* becomes what is wanted afterwards */
         else if (wanted != TYPE_ERROR && one_result != wanted)
-            cost += ast_type_is_geometric(wanted) && ast_type_is_geometric(one_result) ? 50 : 100;
+            cost += ast_type_is_geometric(wanted) && ast_type_is_geometric(one_result) ? 1 : 2;
         if (best >= 0 && cost >= best)
             continue;
         best = cost;

@@ -114,6 +114,7 @@ static void check_scoped(struct checker *k, struct ast_statement *body,
 }
 
 static void check_declaration(struct checker *k, struct ast_symbol *symbol) {
+    symbol->owner = k->function;
     if (symbol->array_length < 0 && !symbol->is_formal) {
         compile_error(k->c, &symbol->at, "array '%.64s' needs a length", symbol->name);
         symbol->array_length = 1;
@@ -336,9 +337,8 @@ void check_function(struct checker *k, struct ast_function *function) {
         compile_error(k->c, &function->at, "function '%.64s' never returns a value",
                       function->name);
     function->returns_early = has_early_return(function->body);
+    function->is_checked = true;
     k->function = outer;
-    if (outer)
-        outer->has_outputs |= function->has_outputs;
     k->loop_level = outer_loops;
     k->illuminance_level = outer_illuminance;
 }

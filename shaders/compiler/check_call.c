@@ -30,6 +30,8 @@ static struct ast_expression *check_user_call(struct checker *k, struct ast_expr
                                               struct ast_function *function) {
     e->function = function;
     e->type = function->type;
+    e->has_effects = function->has_outputs || !function->is_checked;
+    k->function->has_outputs |= e->has_effects;
     if (e->argument_count != function->formal_count) {
         compile_error(k->c, &e->at, "%.64s() takes %d argument%s, not %d", e->name,
                       function->formal_count, function->formal_count == 1 ? "" : "s",
@@ -222,9 +224,10 @@ static struct ast_expression *check_builtin_call(struct checker *k, struct ast_e
         struct ast_expression *next = (*a)->next;
         if (is_neutral)
             ;
-        else if (i < 32 && written >> i & 1)
+        else if (i < 32 && written >> i & 1) {
             check_written(k, *a);
-        else if (parameters[i] != TYPE_TRIPLE && parameters[i] != TYPE_ANY_FIXED)
+            e->has_effects = true;
+        } else if (parameters[i] != TYPE_TRIPLE && parameters[i] != TYPE_ANY_FIXED)
             *a = check_convert(k, *a, parameters[i]);
         (*a)->next = next;
     }

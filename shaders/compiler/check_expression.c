@@ -36,6 +36,7 @@ struct ast_expression *check_convert(struct checker *k, struct ast_expression *e
     convert->type = type;
     convert->at = e->at;
     convert->left = e;
+    convert->has_effects = e->has_effects;
     return convert;
 }
 
@@ -274,8 +275,7 @@ void check_written(struct checker *k, struct ast_expression *target) {
         compile_error(k->c, &target->at, "%s is set by the lights and cannot be changed here",
                       symbol->name);
     symbol->is_assigned = true;
-    if (k->function && (symbol->global || k->function->is_shader == false))
-        k->function->has_outputs |= symbol->global || symbol->is_output;
+    k->function->has_outputs |= symbol->owner != k->function || symbol->is_output;
 }
 
 static struct ast_expression *check_array_assign(struct checker *k, struct ast_expression *e) {
@@ -292,6 +292,7 @@ static struct ast_expression *check_array_assign(struct checker *k, struct ast_e
 
 static struct ast_expression *check_assign(struct checker *k, struct ast_expression *e) {
     e->left = check_expression(k, e->left, TYPE_ERROR);
+    e->has_effects = true;
     check_written(k, e->left);
     if (e->left->type == TYPE_ERROR) {
         check_expression(k, e->right, TYPE_ERROR);
@@ -370,7 +371,7 @@ static struct ast_expression *check_cast(struct checker *k, struct ast_expressio
     return e;
 }
 
-struct ast_expression *check_expression(struct checker *k, struct ast_expression *e,
+static struct ast_expression *check_any(struct checker *k, struct ast_expression *e,
                                         enum ast_type wanted) {
     switch (e->kind) {
     case EXPRESSION_NUMBER:
@@ -400,5 +401,16 @@ struct ast_expression *check_expression(struct checker *k, struct ast_expression
     case EXPRESSION_CONVERT:
         return e;
     }
+    return e;
+}
+
+struct ast_expression *check_expression(struct checker *k, struct ast_expression *e,
+                                        enum ast_type wanted) {
+    e = check_any(k, e, wanted);
+    const struct ast_expression *const parts[] = {e->left, e->right, e->third};
+    for (int i = 0; i < 3; i++)
+        e->has_effects |= parts[i] && parts[i]->has_effects;
+    for (const struct ast_expression *a = e->arguments; a; a = a->next)
+        e->has_effects |= a->has_effects;
     return e;
 }

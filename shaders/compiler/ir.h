@@ -56,6 +56,7 @@ struct ir_variable {
     struct ir_variable **elements;   /* scratch of array_elements.c */
     bool is_indexed;                 /* likewise: by something not known here */
     int use_count, definition_count; /* scratch of merge_moves.c */
+    bool is_read_early;              /* before any assignment, as the 0 it starts with */
     struct ir_node *definition;
     struct ir_use *uses; /* scratch of infer_storage.c and dead_code.c */
     struct ir_variable *next_in_home;
@@ -262,8 +263,8 @@ void ir_each_write(struct ir_node *node, ir_visit_variable *visit, void *context
 /* propagate_copies.c: what is known of single assignments. Counts definitions and numbers nodes;
  * every pass that asks the following calls this first. */
 void ir_prepare_propagation(struct ir_program *ir);
-/* Whether the variable has one value from its definition to the end of the list that declares it.
- */
+/* Whether the variable has one value from its definition to the end of the list that declares it,
+ * and nothing asks for it before. */
 bool ir_variable_is_settled(const struct ir_variable *variable);
 /* Replaces what the node reads by what it is only a copy of. */
 void ir_propagate_into(struct ir_node *node);

@@ -113,6 +113,8 @@ struct ir_operand lower_space_element(struct lowering *l, const struct source_lo
 /* lower_matrix.c: a matrix is one array variable of 16 floats */
 void lower_matrix_copy(struct lowering *l, const struct source_location *at,
                        const struct ir_value *to, const struct ir_value *from);
+/* A matrix without a name, for the list at hand. */
+struct ir_value lower_matrix_temporary(struct lowering *l, const struct source_location *at);
 struct ir_value lower_matrix_diagonal(struct lowering *l, const struct source_location *at,
                                       struct ir_operand number);
 struct ir_value lower_matrix_tuple(struct lowering *l, struct ast_expression *e);
@@ -156,6 +158,10 @@ struct ir_value lower_text_builtin(struct lowering *l, const struct ast_expressi
 
 /* lower_expression.c */
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e);
+/* The same for an operand or argument, with a copy of the variables it names when evaluating one of
+ * the list `later` may assign to them: operands are evaluated from left to right. */
+struct ir_value lower_operand(struct lowering *l, struct ast_expression *e,
+                              const struct ast_expression *later);
 /* lower_builtin.c */
 struct ir_operand lower_mod(struct lowering *l, const struct source_location *at,
                             struct ir_operand a, struct ir_operand b);
@@ -213,10 +219,10 @@ struct ir_value lower_derivative(struct lowering *l, const struct ast_expression
 struct ir_operand lower_sample_step(struct lowering *l, const struct source_location *at,
                                     struct ir_operand x);
 /* lower_statement.c */
-/* Whether neither break, continue (when `in_body`) nor return was reached; a constant when there
- * are none. */
+/* Whether neither break, continue (when `in_body`) nor return was reached by statements that leave
+ * at most `exit_level` loops (ast_statement); a constant when there are none. */
 struct ir_operand lower_still_running(struct lowering *l, const struct source_location *at,
-                                      bool in_body);
+                                      int exit_level, bool in_body);
 void lower_statements(struct lowering *l, struct ast_statement *list);
 /* lower_light.c */
 void lower_illuminance(struct lowering *l, struct ast_statement *s);

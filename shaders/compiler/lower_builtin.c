@@ -74,24 +74,21 @@ static struct ir_operand lower_comp(struct lowering *l, const struct ast_express
     return lower_operate(l, &e->at, IR_SELECT, is_third, value->part[2], first);
 }
 
-/* The value with component `index` replaced by `number`. */
+/* The value with component `index`, the one that comp() would take, replaced by `number`. */
 static struct ir_value replace_component(struct lowering *l, const struct ast_expression *e,
                                          const struct ir_value *old, struct ir_operand index,
                                          struct ir_operand number) {
     struct ir_value changed = *old;
-    for (int i = 0; i < 3; i++) {
-        if (index.kind == OPERAND_FLOAT) {
-            int which = index.number >= 2 ? 2 : index.number >= 1 ? 1 : 0;
-            changed.part[i] = i == which ? number : old->part[i];
-            continue;
-        }
-        struct ir_operand is_it =
-            op2(l, e, i == 0 ? IR_LESS : IR_LESS_EQUAL, i == 0 ? index : ir_float((float)i),
-                i == 0 ? ir_float(1) : index);
-        if (i == 1)
-            is_it = op2(l, e, IR_AND, is_it, op2(l, e, IR_LESS, index, ir_float(2)));
-        changed.part[i] = lower_operate(l, &e->at, IR_SELECT, is_it, number, old->part[i]);
+    if (index.kind == OPERAND_FLOAT) {
+        changed.part[index.number >= 2 ? 2 : index.number >= 1 ? 1 : 0] = number;
+        return changed;
     }
+    struct ir_operand is_second = op2(l, e, IR_LESS_EQUAL, ir_float(1), index);
+    struct ir_operand is_third = op2(l, e, IR_LESS_EQUAL, ir_float(2), index);
+    struct ir_operand second = lower_operate(l, &e->at, IR_SELECT, is_second, number, old->part[1]);
+    changed.part[0] = lower_operate(l, &e->at, IR_SELECT, is_second, old->part[0], number);
+    changed.part[1] = lower_operate(l, &e->at, IR_SELECT, is_third, old->part[1], second);
+    changed.part[2] = lower_operate(l, &e->at, IR_SELECT, is_third, number, old->part[2]);
     return changed;
 }
 
@@ -99,10 +96,11 @@ static struct ir_value replace_component(struct lowering *l, const struct ast_ex
 static struct ir_value lower_setcomp(struct lowering *l, const struct ast_expression *e,
                                      int fixed) {
     struct lower_target target = lower_target_open(l, e->arguments);
-    struct ir_value a[4] = {lower_target_read(l, &target)};
+    struct ir_value a[4];
     int count = 1;
     for (struct ast_expression *x = e->arguments->next; x; x = x->next)
-        a[count++] = lower_expression(l, x);
+        a[count++] = lower_operand(l, x, x->next);
+    a[0] = lower_target_read(l, &target);
     if (a[0].array_length) {
         lower_matrix_builtin(l, e, a);
         if (target.is_element)
@@ -244,7 +242,7 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     }
     for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
-        a.value[a.count++] = lower_expression(l, x);
+        a.value[a.count++] = lower_operand(l, x, x->next);
     }
     if (ast_type_is_fixed(e->type)) {
         struct ir_operand operands[BUILTIN_ARGUMENTS_MAX];

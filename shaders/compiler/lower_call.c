@@ -95,7 +95,7 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
         if (is_target)
             targets[count] = lower_target_open(l, a);
         arguments[count] =
-            is_target ? lower_target_read(l, &targets[count]) : lower_expression(l, a);
+            is_target ? lower_target_read(l, &targets[count]) : lower_operand(l, a, a->next);
         count++;
     }
     if (function->is_prelude && !l->site)
@@ -114,7 +114,7 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
         if (!formal->is_output || formal->array_length)
             continue;
         if (a->kind == EXPRESSION_NAME)
-            lower_assign(l, &a->at, &arguments[i], formal->value);
+            lower_assign(l, &a->at, lower_symbol(l, a->symbol, &a->at), formal->value);
         else
             lower_target_write(l, &targets[i], formal->value);
     }

@@ -68,7 +68,7 @@ static struct ir_value lower_tuple(struct lowering *l, struct ast_expression *e)
     if (e->type == TYPE_MATRIX)
         return lower_matrix_tuple(l, e);
     for (struct ast_expression *a = e->arguments; a && i < 3; a = a->next)
-        value.part[i++] = lower_expression(l, a).part[0];
+        value.part[i++] = lower_operand(l, a, a->next).part[0];
     if (l->in_default && ast_type_is_geometric(e->type))
         return into_current(l, &e->at, e->type, &value);
     return value;
@@ -160,7 +160,7 @@ static enum ir_operation arithmetic(int token) {
 }
 
 static struct ir_value lower_binary_expression(struct lowering *l, struct ast_expression *e) {
-    struct ir_value a = lower_expression(l, e->left), b = lower_expression(l, e->right);
+    struct ir_value a = lower_operand(l, e->left, e->right), b = lower_expression(l, e->right);
     if (e->type == TYPE_MATRIX)
         return lower_matrix_binary(l, &e->at, e->token == '/', &a, &b);
     const bool is_fixed = ast_type_is_fixed(e->left->type);
@@ -221,7 +221,7 @@ static struct ir_value lower_conditional(struct lowering *l, struct ast_expressi
     struct ir_value condition = lower_expression(l, e->left);
     struct ir_value value = {.count = ast_type_width(e->type)};
     if (e->type == TYPE_MATRIX)
-        value = lower_variables(l, &e->at, TYPE_MATRIX, 0, NULL, STORAGE_UNSAID);
+        value = lower_matrix_temporary(l, &e->at);
     else if (lower_type(e->type) == IR_FLOAT && is_simple(e->right) && is_simple(e->third)) {
         struct ir_value a = lower_expression(l, e->right), b = lower_expression(l, e->third);
         for (int i = 0; i < value.count; i++)
@@ -273,7 +273,8 @@ static struct ir_value lower_assignment(struct lowering *l, struct ast_expressio
                             &from);
         return (struct ir_value){0};
     }
-    struct ir_value right = lower_expression(l, e->right);
+    bool is_element = e->left->kind == EXPRESSION_INDEX;
+    struct ir_value right = lower_operand(l, e->right, is_element ? e->left->right : NULL);
     struct lower_target target = lower_target_open(l, e->left);
     target.at = &e->at;
     if (e->token) {
@@ -324,6 +325,30 @@ static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {
         return e->function ? lower_user_call(l, e) : lower_builtin(l, e);
     }
     return lower_constant(0, 1);
+}
+
+struct ir_value lower_operand(struct lowering *l, struct ast_expression *e,
+                              const struct ast_expression *later) {
+    struct ir_value value = lower_expression(l, e), copy = value;
+    while (later && !later->has_effects)
+        later = later->next;
+    if (!later || e->array_length)
+        return value;
+    if (value.array_length) {
+        copy = lower_matrix_temporary(l, &e->at);
+        lower_assign(l, &e->at, &copy, &value);
+        return copy;
+    }
+    for (int i = 0; i < value.count; i++) {
+        if (value.part[i].kind != OPERAND_VARIABLE || value.part[i].variable->is_temporary)
+            continue;
+        struct ir_variable *kept = lower_temporary(l, value.part[i].variable->type);
+        kept->is_declared_uniform = kept->type == IR_STRING;
+        kept->format = value.part[i].variable->format;
+        lower_move(l, &e->at, kept, value.part[i]);
+        copy.part[i] = ir_of(kept);
+    }
+    return copy;
 }
 
 struct ir_value lower_expression(struct lowering *l, struct ast_expression *e) {

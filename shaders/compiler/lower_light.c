@@ -137,7 +137,7 @@ void lower_illuminance(struct lowering *l, struct ast_statement *s) {
     if (loop.broken) {
         loop.continued = ir_variable_new(l->ir, node->body, IR_BOOL, NULL);
         l->call->loops = &loop;
-        open_if(l, &s->at, lower_still_running(l, &s->at, false));
+        open_if(l, &s->at, lower_still_running(l, &s->at, s->body->exit_level, false));
     }
     l->call->loops = &loop;
     load_light(l, &s->at);

@@ -34,9 +34,17 @@ static void write_elements(struct lowering *l, const struct source_location *at,
         write_element(l, at, matrix, ir_float((float)i), m->part[i]);
 }
 
+struct ir_value lower_matrix_temporary(struct lowering *l, const struct source_location *at) {
+    struct ir_list *scope = l->scope;
+    l->scope = l->list; /* even in a guard: nothing outside of it reads the value */
+    struct ir_value matrix = lower_variables(l, at, TYPE_MATRIX, 0, NULL, STORAGE_UNSAID);
+    l->scope = scope;
+    return matrix;
+}
+
 static struct ir_value new_matrix(struct lowering *l, const struct source_location *at,
                                   const struct elements *m) {
-    struct ir_value matrix = lower_variables(l, at, TYPE_MATRIX, 0, NULL, STORAGE_UNSAID);
+    struct ir_value matrix = lower_matrix_temporary(l, at);
     write_elements(l, at, &matrix, m);
     return matrix;
 }
@@ -64,7 +72,7 @@ struct ir_value lower_matrix_tuple(struct lowering *l, struct ast_expression *e)
     struct elements m = diagonal(ir_float(0));
     int i = 0;
     for (struct ast_expression *a = e->arguments; a && i < 16; a = a->next)
-        m.part[i++] = lower_expression(l, a).part[0];
+        m.part[i++] = lower_operand(l, a, a->next).part[0];
     return new_matrix(l, &e->at, &m);
 }
 

@@ -149,11 +149,11 @@ struct ir_value lower_spline(struct lowering *l, struct ast_expression *e) {
         if (x->kind == EXPRESSION_STRING)
             s->basis = spline_basis_find(x->name);
         else
-            name = lower_expression(l, x).part[0];
+            name = lower_operand(l, x, x->next).part[0];
         x = x->next;
     }
-    struct ir_operand where = lower_expression(l, x).part[0];
+    struct ir_operand where = lower_operand(l, x, x->next).part[0];
     for (x = x->next; x; x = x->next)
-        s->values[s->count++] = lower_expression(l, x);
+        s->values[s->count++] = lower_operand(l, x, x->next);
     return name.kind ? lower_any_basis(l, e, s, name, where) : lower_with_basis(l, e, s, where);
 }

@@ -12,30 +12,34 @@ static struct ir_operand negate(struct lowering *l, const struct source_location
     return lower_unary(l, at, IR_NOT, ir_of(flag));
 }
 
-/* The condition under which the rest of the list still runs, after a statement that may have left
- * it. */
+/* The condition under which the rest of the list still runs, after statements that may have left
+ * it, by at most `exit_level`. Only where one may return it is asked whether one did: a return
+ * further down must not make what comes before it depend on its samples. */
 struct ir_operand lower_still_running(struct lowering *l, const struct source_location *at,
-                                      bool in_body) {
+                                      int exit_level, bool in_body) {
     struct ir_operand running = ir_bool(true);
     struct lower_loop *loop = l->call->loops;
     if (loop && loop->broken)
         running = lower_binary(l, at, IR_AND, running, negate(l, at, loop->broken));
     if (loop && loop->continued && in_body)
         running = lower_binary(l, at, IR_AND, running, negate(l, at, loop->continued));
-    if (l->call->returned)
+    if (l->call->returned && exit_level == EXIT_FUNCTION)
         running = lower_binary(l, at, IR_AND, running, negate(l, at, l->call->returned));
     return running;
 }
 
 void lower_statements(struct lowering *l, struct ast_statement *list) {
     struct ir_list *outer = l->list;
+    int exit_level = 0; /* of all statements so far */
     for (struct ast_statement *s = list; s; s = s->next) {
         lower_statement(l, s);
+        if (s->exit_level > exit_level)
+            exit_level = s->exit_level;
         if (!s->exit_level || !s->next)
             continue;
         /* The guards lie side by side, not inside each other. */
         l->list = outer;
-        struct ir_operand running = lower_still_running(l, &s->at, true);
+        struct ir_operand running = lower_still_running(l, &s->at, exit_level, true);
         if (running.kind == OPERAND_BOOL)
             continue;
         struct ir_node *guard = lower_control(l, NODE_IF, &s->at);
@@ -115,7 +119,7 @@ static void lower_step(struct lowering *l, struct ast_statement *s, struct ir_li
     struct ir_list *outer = l->list, *scope = l->scope;
     l->list = l->scope = body;
     if (s->body && s->body->exit_level) {
-        struct ir_operand running = lower_still_running(l, &s->at, false);
+        struct ir_operand running = lower_still_running(l, &s->at, s->body->exit_level, false);
         if (running.kind != OPERAND_BOOL) {
             struct ir_node *guard = lower_control(l, NODE_IF, &s->at);
             guard->condition = running;
@@ -145,7 +149,8 @@ static void lower_for(struct lowering *l, struct ast_statement *s) {
     loop.outer = l->call->loops;
     l->call->loops = &loop;
     l->list = l->scope = node->test;
-    struct ir_operand running = lower_still_running(l, &s->at, false);
+    struct ir_operand running =
+        lower_still_running(l, &s->at, s->body ? s->body->exit_level : 0, false);
     struct ir_operand condition = ir_bool(true);
     if (s->expression)
         condition = lower_expression(l, s->expression).part[0];

@@ -9,14 +9,19 @@ static void count_write(struct ir_variable *variable, void *context) {
     variable->definition = context;
 }
 
+static void note_read(struct ir_variable *variable, void *context) {
+    variable->is_read_early |= variable->definition_count == 0;
+}
+
 static void number_node(struct ir_node *node, void *context) {
     int *order = context;
     node->order = ++*order;
+    ir_each_read(node, note_read, NULL);
     ir_each_write(node, count_write, node);
 }
 
 bool ir_variable_is_settled(const struct ir_variable *variable) {
-    return variable->definition_count == 1 && !variable->array_length &&
+    return variable->definition_count == 1 && !variable->is_read_early && !variable->array_length &&
            variable->definition->list == variable->home;
 }
 
@@ -55,6 +60,7 @@ void ir_prepare_propagation(struct ir_program *ir) {
     for (size_t i = 0; i < ir->variable_count; i++) {
         ir->variables[i]->definition_count = 0;
         ir->variables[i]->definition = NULL;
+        ir->variables[i]->is_read_early = false;
     }
     ir_each_node(ir->top, number_node, &order);
     /* results of the shader start at zero and are read from outside: never settled */

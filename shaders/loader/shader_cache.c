@@ -200,17 +200,17 @@ const char *shader_cache_vectors(const struct shader_cache *cache) {
 
 /* One compilation: where its files are and who runs it. */
 struct job {
-    const struct shader_source *source;
+    const struct shader_cache_source *source;
     char object[PATH_BYTES + 256], temporary[PATH_BYTES + 320], text[PATH_BYTES + 320],
         words[PATH_BYTES + 320];
     pid_t pid;
 };
 
-static uint64_t source_key(const struct shader_cache *cache, const struct shader_source *source) {
+static uint64_t source_key(const struct shader_cache *cache, const struct shader_cache_source *source) {
     return hash_string(source->text, cache->salt);
 }
 
-static void object_path(const struct shader_cache *cache, const struct shader_source *source,
+static void object_path(const struct shader_cache *cache, const struct shader_cache_source *source,
                         char *path, size_t size) {
     char name[48];
     size_t length = 0;
@@ -318,7 +318,7 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
     return ok;
 }
 
-bool shader_cache_build(struct shader_cache *cache, const struct shader_source *sources,
+bool shader_cache_build(struct shader_cache *cache, const struct shader_cache_source *sources,
                         size_t count, size_t *compiled, struct status *status) {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     const size_t most = processors > 1 ? (size_t)processors : 1;
@@ -352,7 +352,7 @@ bool shader_cache_build(struct shader_cache *cache, const struct shader_source *
     return ok;
 }
 
-bool shader_cache_load(struct shader_cache *cache, struct shader_source source,
+bool shader_cache_load(struct shader_cache *cache, struct shader_cache_source source,
                        const struct shader_module **module, struct status *status) {
     const uint64_t key = source_key(cache, &source);
     for (size_t i = 0; i < cache->module_count; i++)

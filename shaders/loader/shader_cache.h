@@ -27,18 +27,18 @@ void shader_cache_close(struct shader_cache *cache);
 /* "16 lanes (AVX-512)": which vectors shaders run with. */
 const char *shader_cache_vectors(const struct shader_cache *cache);
 
-struct shader_source {
+struct shader_cache_source {
     const char *name; /* for file names and messages */
     const char *text;
 };
 
 /* Compiles those sources that are not in the cache yet, as many at a time as there are processors.
  * Fails with the compiler's words. `compiled`, if given, receives how many were compiled. */
-bool shader_cache_build(struct shader_cache *cache, const struct shader_source *sources,
+bool shader_cache_build(struct shader_cache *cache, const struct shader_cache_source *sources,
                         size_t count, size_t *compiled, struct status *status);
 
 /* The module of a source, compiled if need be; loaded once. */
-bool shader_cache_load(struct shader_cache *cache, struct shader_source source,
+bool shader_cache_load(struct shader_cache *cache, struct shader_cache_source source,
                        const struct shader_module **module, struct status *status);
 
 #endif

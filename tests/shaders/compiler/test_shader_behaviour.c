@@ -380,6 +380,64 @@ static void overwritten_components_do_not_leak_into_each_other(void **state) {
     assert_true(result.color[2][6] == 6 + 12);
 }
 
+static void operands_are_evaluated_from_left_to_right(void **state) {
+    struct harness_result result;
+    run("float second(float a, b) { return b; }\n"
+        "surface a() { float x = s, y = s, z = s; float old(float a) { z = 50; return a; }\n"
+        "  float p = x + (x = 100), q = second(y = 7, y) + old(z);\n"
+        "  color c = color (s, s, s); c = color (comp(c, 0), setx(c), comp(c, 0));\n"
+        "  Ci = color (p, q, comp(c, 0) + comp(c, 2)); }\n"
+        "float setx(output color c) { setxcomp(c, 9); return 0; }",
+        NULL, NULL, 0, &result);
+    assert_true(result.color[0][5] == 105);
+    assert_true(result.color[1][5] == 12);
+    assert_true(result.color[2][5] == 14);
+}
+
+static void setcomp_changes_the_component_that_comp_reads(void **state) {
+    struct harness_result result;
+    run("surface a() { color c = color (s - 1, 20, 30), d = color (1, 2, 3);\n"
+        "  setcomp(c, xcomp(c), 7); setcomp(d, (s - 5) / (s - 5), 40);\n"
+        "  Ci = color (comp(c, 0), comp(c, 1) + comp(c, 2), comp(d, 0)); }",
+        NULL, NULL, 0, &result);
+    const float expected[5][2] = {{7, 50}, {7, 50}, {1, 37}, {2, 27}, {3, 27}};
+    for (int i = 0; i < 5; i++) {
+        assert_true(result.color[0][i] == expected[i][0]);
+        assert_true(result.color[1][i] == expected[i][1]);
+        assert_true(result.color[2][i] == 1);
+    }
+    assert_true(result.color[2][5] == 40); /* not a number: the first */
+}
+
+static void variables_start_at_zero(void **state) {
+    struct harness_result result;
+    run("surface a() { float x; float y = x + 1; x = s; point p; Ci = color (x, y, xcomp(p));\n"
+        "  float i; for (i = 0; i < 2; i += 1) { float z; Ci += z; z = 5; } }",
+        NULL, NULL, 0, &result);
+    assert_true(result.color[0][4] == 4 && result.color[1][4] == 1 && result.color[2][4] == 0);
+}
+
+static void what_comes_before_and_after_a_return_stays_uniform(void **state) {
+    struct harness_result result;
+    run("float half(uniform float x) { return x / 2; }\n"
+        "surface a(uniform float k = 3;) { uniform float i, n = 0;\n"
+        "  for (i = 0; i < k; i += 1) n += 1;\n"
+        "  Ci = n; if (s > 7) return; Ci += half(comp(matrix k, 0, 0)); }",
+        NULL, NULL, 0, &result);
+    assert_true(result.color[0][2] == 4.5f && result.color[0][9] == 3);
+    /* a jump after a return does not hide the return */
+    run("surface a() { float i; for (i = 0; i < 1; i += 1) {\n"
+        "  if (s > 7) return; if (s > 3) continue; Ci += 1; } Ci += 2; }",
+        NULL, NULL, 0, &result);
+    assert_true(result.color[0][2] == 3 && result.color[0][5] == 2 && result.color[0][9] == 0);
+}
+
+static void arguments_choose_an_overload_before_the_context_does(void **state) {
+    struct harness_result result;
+    run("surface a() { Ci = color (min(s, 2, 3) - vector (1, 2, 3)); }", NULL, NULL, 0, &result);
+    assert_true(result.color[0][9] == 1 && result.color[2][9] == -1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(expressions_are_what_c_says),
@@ -395,6 +453,11 @@ int main(void) {
         cmocka_unit_test(operations_are_counted_by_stream),
         cmocka_unit_test(every_width_gives_the_same_bits),
         cmocka_unit_test(overwritten_components_do_not_leak_into_each_other),
+        cmocka_unit_test(operands_are_evaluated_from_left_to_right),
+        cmocka_unit_test(setcomp_changes_the_component_that_comp_reads),
+        cmocka_unit_test(variables_start_at_zero),
+        cmocka_unit_test(what_comes_before_and_after_a_return_stays_uniform),
+        cmocka_unit_test(arguments_choose_an_overload_before_the_context_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "program_bundle.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Generated C is a preamble that is the same for all, then functions and tables of its own, whose
+ * names get a number each. */
+static const char *const own_names[] = {"shader_prepare",   "shade_vector",  "shader_shade",
+                                        "shader_light_run", "shader_blocks", SHADER_MODULE_SYMBOL};
+
+static size_t preamble_length(const char *text) {
+    const char *first = strstr(text, "static void shader_prepare(");
+    return first ? (size_t)(first - text) : 0;
+}
+
+static bool write_source(FILE *file, struct shader_program *const *programs, int count,
+                         struct status *status) {
+    size_t preamble = preamble_length(programs[0]->c_source);
+    fwrite(programs[0]->c_source, 1, preamble, file);
+    for (int i = 0; i < count; i++) {
+        const char *text = programs[i]->c_source;
+        if (!preamble || preamble_length(text) != preamble ||
+            memcmp(text, programs[0]->c_source, preamble))
+            return status_fail(status, STATUS_INTERNAL, "generated C starts in different ways");
+        for (size_t n = 0; n < sizeof own_names / sizeof *own_names; n++)
+            fprintf(file, "#undef %s\n#define %s %s_%d\n", own_names[n], own_names[n], own_names[n],
+                    i);
+        fwrite(text + preamble, 1, programs[i]->c_length - preamble, file);
+    }
+    fprintf(file,
+            "#undef %s\nextern const struct shader_module *const bundled_modules[];\n"
+            "const struct shader_module *const bundled_modules[] = {\n",
+            SHADER_MODULE_SYMBOL);
+    for (int i = 0; i < count; i++)
+        fprintf(file, "    &%s_%d,\n", SHADER_MODULE_SYMBOL, i);
+    fprintf(file, "};\n");
+    return true;
+}
+
+static const char *flags_for(int width) {
+    if (width == 8 && __builtin_cpu_supports("avx2"))
+        return "-mavx2";
+    bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+    return width == 16 && has_avx512 ? "-mavx512f -mavx512dq -mavx512bw -mavx512vl" : "";
+}
+
+bool program_bundle_open(struct program_bundle *bundle, struct shader_program *const *programs,
+                         int count, int width, const char *optimisation, struct status *status) {
+    char folder[] = "/tmp/sortlast-programs-XXXXXX", source[64], object[64], command[1024];
+    *bundle = (struct program_bundle){0};
+    if (!mkdtemp(folder))
+        return status_fail(status, STATUS_IO, "cannot make a folder in /tmp");
+    snprintf(source, sizeof source, "%s/programs.c", folder);
+    snprintf(object, sizeof object, "%s/programs.so", folder);
+    FILE *file = fopen(source, "w");
+    bool ok = file && write_source(file, programs, count, status);
+    if (file)
+        fclose(file);
+    snprintf(command, sizeof command,
+             "cc -std=gnu11 %s%s -w -ffp-contract=off -fno-math-errno -fno-trapping-math -shared "
+             "-fPIC %s -DSHADER_WIDTH=%d -I'%s' -o %s %s",
+             optimisation,
+             /* without optimisation, calls are much quicker to compile than copies of the callee */
+             strcmp(optimisation, "-O0") ? "" : " -Dalways_inline=noinline", flags_for(width),
+             width, SIMD_INCLUDE, object, source);
+    if (ok && system(command))
+        ok = status_fail(status, STATUS_INTERNAL, "the C compiler refuses what was generated");
+    bundle->library = ok ? dlopen(object, RTLD_NOW | RTLD_LOCAL) : NULL;
+    bundle->modules = bundle->library ? dlsym(bundle->library, "bundled_modules") : NULL;
+    unlink(source);
+    unlink(object);
+    rmdir(folder);
+    if (ok && !bundle->modules)
+        ok = status_fail(status, STATUS_INTERNAL, "%s", dlerror());
+    return ok;
+}
+
+void program_bundle_close(struct program_bundle *bundle) {
+    if (bundle->library)
+        dlclose(bundle->library);
+    *bundle = (struct program_bundle){0};
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef RANDOM_INTERNAL_H
+#define RANDOM_INTERNAL_H
+
+#include "base/rng.h"
+#include "random_program.h"
+#include "shaders/compiler/ast.h"
+
+#include <stddef.h>
+
+enum {
+    RANDOM_VARIABLES = 128,
+    RANDOM_FUNCTIONS = 16,
+    RANDOM_FORMALS = 5,
+};
+
+struct random_variable {
+    char name[8];
+    enum ast_type type;
+    int length; /* 0: not an array */
+    bool is_uniform, is_readonly;
+};
+
+struct random_function {
+    char name[8];
+    enum ast_type type;
+    int formal_count;
+    struct random_variable formals[RANDOM_FORMALS];
+    bool is_output[RANDOM_FORMALS];
+    bool has_illuminance;
+    int cost;
+};
+
+struct random_generator {
+    struct rng rng;
+    struct random_program *program;
+    size_t length, capacity;
+    struct random_variable variables[RANDOM_VARIABLES];
+    int variable_count, first_visible, scope_start;
+    struct random_function functions[RANDOM_FUNCTIONS];
+    int function_count, next_number;
+    int indent, nesting, loops, open_loops; /* open_loops: how many loops out a jump may go */
+    int cost, cost_max;                     /* operators and calls after inlining, about */
+    bool may_return, in_illuminance, in_illuminate, uses_illuminance, in_function, has_jumped;
+    bool no_effects; /* inside a subscript */
+    enum ast_type result;
+};
+
+static inline int random_below(struct random_generator *g, int bound) {
+    return (int)rng_below(&g->rng, (uint64_t)bound);
+}
+/* True once in `times`. */
+static inline bool random_once_in(struct random_generator *g, int times) {
+    return random_below(g, times) == 0;
+}
+
+void random_put(struct random_generator *g, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+enum ast_type random_triple(struct random_generator *g);
+const char *random_type_word(enum ast_type type);
+
+/* random_expression.c; `is_uniform`: of literals and variables declared uniform only */
+void random_expression(struct random_generator *g, enum ast_type type, int depth, bool is_uniform);
+void random_condition(struct random_generator *g, int depth, bool is_uniform);
+void random_index(struct random_generator *g, bool is_uniform);
+/* A variable of this type that may be written to, not an array; NULL when there is none. */
+const struct random_variable *random_target(struct random_generator *g, enum ast_type type);
+/* An array of this type (TYPE_ERROR: any) that may be written to when `is_written`. */
+const struct random_variable *random_array(struct random_generator *g, enum ast_type type,
+                                           bool is_written, bool is_uniform);
+/* A call of a function that returns this type; false when there is none. */
+bool random_call(struct random_generator *g, enum ast_type type, int depth);
+
+#endif
