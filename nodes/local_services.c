@@ -49,7 +49,7 @@ static bool load_shader(void *context, const char *name, const char *c_source,
     if (!open_cache(services, status))
         return false;
     trace_line(services->trace, "loads shader %s", name);
-    return shader_cache_load(services->cache, (struct shader_source){name, c_source}, module,
+    return shader_cache_load(services->cache, (struct shader_cache_source){name, c_source}, module,
                              status);
 }
 
@@ -57,9 +57,9 @@ bool local_services_build_shaders(void *context, const char *const *names,
                                   const char *const *sources, size_t count, size_t *compiled,
                                   struct status *status) {
     struct local_services *services = context;
-    struct shader_source *list = memory_get(count, sizeof *list);
+    struct shader_cache_source *list = memory_get(count, sizeof *list);
     for (size_t i = 0; i < count; i++)
-        list[i] = (struct shader_source){names[i], sources[i]};
+        list[i] = (struct shader_cache_source){names[i], sources[i]};
     bool ok = open_cache(services, status) &&
               shader_cache_build(services->cache, list, count, compiled, status);
     free(list);
