@@ -3,6 +3,7 @@
 
 #include "nodes/reference_batch.h"
 #include "nodes/region_exchange.h"
+#include "nodes/sample_quads.h"
 #include "nodes/shading_frame.h"
 
 #include <math.h>
@@ -107,39 +108,6 @@ static void gather(float *restrict out, const float *restrict plane, const uint3
             out[k] = plane[order[k]];
     for (size_t k = count; k < padded; k++)
         out[k] = out[count - 1];
-}
-
-/* The samples of an instance whose shader asks about neighbours, arranged in quads: every 2 x 2
- * samples of the picture of which at least one is the instance's. Regions begin at even columns and
- * rows, so that no quad lies in two of them. Where the instance has no sample, the quad's first one
- * stands in, and is_present is 0. */
-struct quads {
-    uint32_t *order;  /* sample of each lane */
-    uint8_t *present; /* of each lane */
-    size_t lane_count;
-};
-
-static void quads_make(const struct shading_node *self, const struct region_grid *grid,
-                       const uint32_t *order, size_t count, struct quads *quads) {
-    const size_t across = (grid->region_width + 1) / 2, down = (grid->region_height + 1) / 2;
-    uint32_t *number = memory_get(across * down, sizeof *number); /* of the quad, plus 1 */
-    quads->order = memory_get(4 * count, sizeof *quads->order);
-    quads->present = memory_get(4 * count, 1);
-    quads->lane_count = 0;
-    for (size_t k = 0; k < count; k++) {
-        const uint32_t at = self->location[order[k]];
-        const uint32_t x = at % grid->region_width, y = at / grid->region_width;
-        uint32_t *quad = &number[y / 2 * across + x / 2];
-        if (!*quad) {
-            *quad = (uint32_t)(quads->lane_count += 4) / 4;
-            for (size_t lane = quads->lane_count - 4; lane < quads->lane_count; lane++)
-                quads->order[lane] = order[k];
-        }
-        const size_t lane = 4 * (size_t)(*quad - 1) + (y & 1) * 2 + (x & 1);
-        quads->order[lane] = order[k];
-        quads->present[lane] = 1;
-    }
-    free(number);
 }
 
 /* Pre-shade (PF section 6.1.5.2): position and incident direction from depth and place on the
@@ -250,9 +218,10 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
             (size_t)(module->light_sets * instance->light_count * instance->light_vectors));
     execution_counts_reset(&instance->counts);
     int overrun = 0;
-    struct quads quads = {0};
+    struct sample_quads quads = {0};
     if (module->uses_neighbours) {
-        quads_make(self, &frame->grid, order, count, &quads);
+        sample_quads_make(&quads, self->location, frame->grid.region_width,
+                          frame->grid.region_height, order, count);
         order = quads.order;
         count = quads.lane_count;
     }
@@ -261,8 +230,7 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
         overrun |= shade_batch(self, frame, region, instance, order + at,
                                quads.present ? quads.present + at : NULL, some, draft);
     }
-    free(quads.order);
-    free(quads.present);
+    sample_quads_finish(&quads);
     if (overrun && !self->overruns_warned++) {
         char text[256];
         snprintf(text, sizeof text,

@@ -244,7 +244,7 @@ static void emit_variables(struct emitter *e) {
                   e->in_light ? "*overrun" : "call->overrun");
 }
 
-/* Runs one light for the vector at hand; set `number` of the results. */
+/* Runs one light for the vector at hand, into `result`. */
 static void emit_run_light(struct emitter *e, const char *key) {
     emit_line(e, "    struct shader_light_sample sample;");
     emit_line(e, "    for (int c = 0; c < 3; c++) {");

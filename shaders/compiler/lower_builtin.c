@@ -198,48 +198,65 @@ static struct ir_value lower_one_float(struct lowering *l, const struct ast_expr
     }
 }
 
-struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
-    struct arguments a = {0};
-    struct ir_value difference;
-    float neutral;
-    if (builtin_neutral(e->builtin->id, &neutral))
-        return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
-                                      : lower_constant(neutral, ast_type_width(e->type));
-    if (builtin_refusal(e->builtin->id)) {
-        compile_error(l->c, lower_at(l, &e->at), "%s() is not supported: %s", e->name,
-                      builtin_refusal(e->builtin->id));
-        return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
-                                      : lower_constant(0, ast_type_width(e->type));
-    }
+/* Functions that look at their arguments themselves; false: this is none of them. */
+static bool lower_special(struct lowering *l, struct ast_expression *e, struct ir_value *value) {
     switch (e->builtin->id) {
     case BUILTIN_SPLINE:
-        return lower_spline(l, e);
+        *value = lower_spline(l, e);
+        return true;
     case BUILTIN_CONCAT:
     case BUILTIN_FORMAT:
     case BUILTIN_MATCH:
-        return lower_text_builtin(l, e);
+        *value = lower_text_builtin(l, e);
+        return true;
     case BUILTIN_OPTION:
     case BUILTIN_ATTRIBUTE:
     case BUILTIN_RENDERERINFO:
-        return lower_question(l, e);
+        *value = lower_question(l, e);
+        return true;
     case BUILTIN_DEPTH:
-        return lower_depth(l, e);
+        *value = lower_depth(l, e);
+        return true;
     case BUILTIN_LIGHTSOURCE:
     case BUILTIN_SURFACE:
     case BUILTIN_DISPLACEMENT:
     case BUILTIN_ATMOSPHERE:
     case BUILTIN_INCIDENT:
     case BUILTIN_OPPOSITE:
-        return lower_message(l, e);
+        *value = lower_message(l, e);
+        return true;
     case BUILTIN_SETXCOMP:
     case BUILTIN_SETYCOMP:
     case BUILTIN_SETZCOMP:
-        return lower_setcomp(l, e, (int)e->builtin->id - BUILTIN_SETXCOMP);
+        *value = lower_setcomp(l, e, (int)e->builtin->id - BUILTIN_SETXCOMP);
+        return true;
     case BUILTIN_SETCOMP:
-        return lower_setcomp(l, e, -1);
+        *value = lower_setcomp(l, e, -1);
+        return true;
     default:
-        break;
+        return false;
     }
+}
+
+/* What has no value of its own: neutral, or an error. */
+static struct ir_value lower_nothing(const struct ast_expression *e, float neutral) {
+    return e->type == TYPE_STRING ? scalar(ir_string(shader_string_identity("")))
+                                  : lower_constant(neutral, ast_type_width(e->type));
+}
+
+struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
+    struct arguments a = {0};
+    struct ir_value difference;
+    float neutral;
+    if (builtin_neutral(e->builtin->id, &neutral))
+        return lower_nothing(e, neutral);
+    if (builtin_refusal(e->builtin->id)) {
+        compile_error(l->c, lower_at(l, &e->at), "%s() is not supported: %s", e->name,
+                      builtin_refusal(e->builtin->id));
+        return lower_nothing(e, 0);
+    }
+    if (lower_special(l, e, &difference))
+        return difference;
     for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_operand(l, x, x->next);

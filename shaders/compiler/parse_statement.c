@@ -146,7 +146,7 @@ enum ast_type parser_take_type(struct parser *p) {
 }
 
 /* After an error: up to and including the next ';', or up to a '}' or the end. */
-static void recover(struct parser *p) {
+void parser_recover(struct parser *p) {
     while (p->token.kind != TOKEN_END && p->token.kind != '}') {
         if (parser_accept(p, ';'))
             break;
@@ -166,14 +166,6 @@ static bool is_qualifier(int kind) {
     return kind == TOKEN_EXTERN || kind == TOKEN_OUTPUT || kind == TOKEN_UNIFORM ||
            kind == TOKEN_VARYING;
 }
-
-struct declaration {
-    enum ast_type type;
-    enum ast_storage storage;
-    bool is_output, is_extern;
-    enum ast_transform transform;
-    bool is_unit;
-};
 
 static const struct {
     const char *name;
@@ -223,7 +215,7 @@ static void parse_qualifiers(struct parser *p, struct declaration *d) {
 }
 
 /* qualifiers type qualifiers */
-static void parse_declaration_type(struct parser *p, struct declaration *d) {
+void parse_declaration_type(struct parser *p, struct declaration *d) {
     parse_qualifiers(p, d);
     d->type = parser_take_type(p);
     parse_qualifiers(p, d);
@@ -320,7 +312,7 @@ static struct ast_statement *parse_body(struct parser *p) {
     while (p->token.kind != '}' && p->token.kind != TOKEN_END) {
         *link = parse_statement(p);
         if (p->is_panicking)
-            recover(p);
+            parser_recover(p);
         link = &(*link)->next;
     }
     parser_expect(p, '}');
@@ -328,7 +320,7 @@ static struct ast_statement *parse_body(struct parser *p) {
 }
 
 /* name formals (body | ';'); the second only says that there will be such a function */
-static struct ast_function *parse_function(struct parser *p, enum ast_type type, bool is_shader) {
+struct ast_function *parse_function(struct parser *p, enum ast_type type, bool is_shader) {
     struct ast_function *function = compilation_get(p->c, sizeof *function);
     function->type = type;
     function->is_shader = is_shader;
@@ -535,96 +527,4 @@ static struct ast_statement *parse_statement(struct parser *p) {
     struct ast_statement *s = parse_statement_inner(p);
     parser_leave(p);
     return s;
-}
-
-static bool parse_shader_kind(struct parser *p, enum shader_kind *kind) {
-    static const struct {
-        int token;
-        enum shader_kind kind;
-    } kinds[] = {
-        {TOKEN_SURFACE, SHADER_KIND_SURFACE},
-        {TOKEN_LIGHT, SHADER_KIND_LIGHT},
-        {TOKEN_DISPLACEMENT, SHADER_KIND_DISPLACEMENT},
-        {TOKEN_VOLUME, SHADER_KIND_VOLUME},
-        {TOKEN_IMAGER, SHADER_KIND_IMAGER},
-    };
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (kinds[i].token == p->token.kind) {
-            *kind = kinds[i].kind;
-            return true;
-        }
-    if (p->token.kind == TOKEN_TRANSFORMATION) {
-        compile_error(p->c, &p->token.at,
-                      "transformation shaders are not supported: geometry is transformed by the "
-                      "scene, before any shader runs");
-        compilation_stop(p->c);
-    }
-    return false;
-}
-
-/* The name of a file without folders and ending. */
-static bool is_named_like_file(const char *name, const char *file) {
-    const char *slash = strrchr(file, '/'), *base = slash ? slash + 1 : file;
-    size_t length = strcspn(base, ".");
-    return strlen(name) == length && !memcmp(name, base, length);
-}
-
-/* Of several shaders in a file the one that is named like it counts, else the first. */
-static void add_shader(struct parser *p, struct ast_unit *unit, struct ast_function *shader,
-                       enum shader_kind kind) {
-    bool is_second = unit->shader != NULL;
-    if (!is_second || (!is_named_like_file(unit->shader->name, p->file) &&
-                       is_named_like_file(shader->name, p->file))) {
-        unit->shader = shader;
-        unit->kind = kind;
-    }
-    if (is_second)
-        compile_warning(p->c, &shader->at, "more than one shader in this file: %.64s is used",
-                        unit->shader->name);
-}
-
-/* [type] name formals body, or a stray ';' */
-static void parse_unit_function(struct parser *p, struct ast_function ***link, bool is_prelude) {
-    struct declaration d = {TYPE_FLOAT, STORAGE_UNSAID, false, false};
-    if (parser_accept(p, ';'))
-        return;
-    if (p->token.kind != TOKEN_IDENTIFIER || p->ahead.kind != '(')
-        parse_declaration_type(p, &d); /* RSL: else the result is a float */
-    if (p->is_panicking || p->ahead.kind != '(') {
-        parser_complain(p, &p->token.at, "expected a function or a shader");
-        return;
-    }
-    struct ast_function *function = parse_function(p, d.type, false);
-    function->is_prelude = is_prelude;
-    if (function->is_prototype)
-        return;
-    **link = function;
-    *link = &function->next;
-}
-
-/* {[type] name formals body} (kind name formals body) {functions} */
-struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text,
-                            size_t length, bool is_prelude) {
-    struct parser parser = {.c = c, .file = file}, *p = &parser;
-    struct ast_unit *unit = compilation_get(c, sizeof *unit);
-    struct ast_function **link = &unit->functions;
-    preprocess_start(&p->source, c, file, text, length);
-    for (int i = 0; i < 3; i++)
-        parser_advance(p);
-    while (p->token.kind != TOKEN_END) {
-        enum shader_kind kind;
-        if (parse_shader_kind(p, &kind)) {
-            parser_advance(p);
-            add_shader(p, unit, parse_function(p, TYPE_VOID, true), kind);
-        } else {
-            parse_unit_function(p, &link, is_prelude);
-        }
-        if (p->is_panicking) {
-            recover(p);
-            parser_accept(p, '}');
-        }
-    }
-    if (!unit->shader && !is_prelude && !c->error_count)
-        compile_error(c, &p->token.at, "there is no shader in this file");
-    return unit;
 }

@@ -34,6 +34,20 @@ bool parser_at_type(const struct parser *p, enum ast_type *type);
 /* Takes the type, 'fixed' '<' size ',' ['-'] exponent '>' with all that belongs to it. */
 enum ast_type parser_take_type(struct parser *p);
 
+struct declaration {
+    enum ast_type type;
+    enum ast_storage storage;
+    bool is_output, is_extern;
+    enum ast_transform transform;
+    bool is_unit;
+};
+
+/* After an error: up to and including the next ';', or up to a '}' or the end. */
+void parser_recover(struct parser *p);
+/* qualifiers type qualifiers */
+void parse_declaration_type(struct parser *p, struct declaration *d);
+/* name formals (body | ';') */
+struct ast_function *parse_function(struct parser *p, enum ast_type type, bool is_shader);
 struct ast_expression *parse_expression(struct parser *p);
 struct ast_expression *parse_assignment(struct parser *p);
 /* '(' [expression {',' expression}] ')' */
