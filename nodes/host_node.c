@@ -196,6 +196,7 @@ static struct frame_payload frame_payload_of(const struct host_node *self,
         .write_png = self->options.write_png,
         .compression = self->options.compression,
         .explain_work = self->options.explain_work,
+        .half_parameters = self->options.precision.half_parameters,
         .near_plane = camera->near_plane,
         .far_plane = camera->far_plane,
     };
@@ -548,10 +549,11 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     self->build_context = build_context;
     self->reader = reader;
     self->library = shader_library_create(options->shader_folders, options->shader_folder_count,
-                                          options->fast_math, options->reference_math);
+                                          &options->precision);
     if (options->is_recorded) {
-        self->recorder = run_recorder_create(options->scene, &options->machine, options->seed,
-                                             options->fast_math, options->rendering_nodes);
+        self->recorder =
+            run_recorder_create(options->scene, &options->machine, options->seed,
+                                options->precision.fast_math, options->rendering_nodes);
         self->report.record = run_recorder_record(self->recorder);
     }
     *node = &self->node;

@@ -24,8 +24,7 @@ struct host_options {
         *output; /* picture to write; NULL or "": none. See image_name.h for several frames */
     bool write_png;
     uint32_t compression; /* enum image_compression */
-    bool fast_math;
-    bool reference_math; /* shaders compute in double precision */
+    struct shader_precision precision;
     bool explain_work; /* keep a work_record of each frame */
     bool is_recorded;  /* keep what every chunk and region cost, for host_report.record */
 };

@@ -87,6 +87,7 @@ struct message *frame_payload_encode(const struct frame_payload *frame, uint32_t
     wire_put_u32(&writer, frame->write_png);
     wire_put_u32(&writer, frame->compression);
     wire_put_u32(&writer, frame->explain_work);
+    wire_put_u32(&writer, frame->half_parameters);
     wire_put_u32(&writer, (uint32_t)frame->number);
     wire_put_string(&writer, frame->image_path);
     return wire_finish(&writer, control_header(WIRE_FRAME_BEGIN, index, camera_bytes));
@@ -107,6 +108,7 @@ bool frame_payload_decode(const struct message *message, struct frame_payload *f
     frame->write_png = wire_get_u32(&reader);
     frame->compression = wire_get_u32(&reader);
     frame->explain_work = wire_get_u32(&reader);
+    frame->half_parameters = wire_get_u32(&reader);
     frame->number = (int32_t)wire_get_u32(&reader);
     frame->image_path = wire_get_string(&reader);
     if (!wire_reader_done(&reader, "frame begin", status))

@@ -43,6 +43,7 @@ struct frame_payload {
     uint32_t is_perspective;
     uint32_t write_png, compression; /* of the picture file: enum image_compression */
     uint32_t explain_work;           /* keep a work_record */
+    uint32_t half_parameters;        /* material parameters are rounded to 16-bit floats */
     double screen_window[4];         /* left, right, bottom, top */
     double near_plane, far_plane;
     int32_t number;         /* as the scene counts (FrameBegin), for people */

@@ -16,7 +16,7 @@ struct library_entry {
 struct shader_library {
     char **folders;
     int folder_count;
-    bool fast_math, reference_math;
+    struct shader_precision precision;
     struct library_entry **entries; /* pointers: variants must not move */
     size_t count, capacity;
     size_t warned_entry;
@@ -24,14 +24,13 @@ struct shader_library {
 };
 
 struct shader_library *shader_library_create(const char *const *folders, int folder_count,
-                                             bool fast_math, bool reference_math) {
+                                             const struct shader_precision *precision) {
     struct shader_library *library = memory_get(1, sizeof *library);
     library->folders = memory_get((size_t)folder_count, sizeof *library->folders);
     for (int i = 0; i < folder_count; i++)
         library->folders[i] = memory_copy_string(folders[i]);
     library->folder_count = folder_count;
-    library->fast_math = fast_math;
-    library->reference_math = reference_math;
+    library->precision = *precision;
     return library;
 }
 
@@ -154,6 +153,17 @@ static bool read_source(const struct shader_library *library, const char *name,
            status_fail(status, STATUS_IO, "cannot read %s: %s", source->path, strerror(errno));
 }
 
+static bool is_fast_shader(const struct shader_library *library, const char *name) {
+    const size_t length = strlen(name);
+    for (const char *at = library->precision.fast_shaders; at && *at;) {
+        const size_t item = strcspn(at, ",");
+        if (item == length && !strncmp(at, name, length))
+            return true;
+        at += item + (at[item] == ',');
+    }
+    return false;
+}
+
 static bool compile_sources(struct shader_library *library, const struct shader_wanted *wanted,
                             const char *const *material, struct source_file sources[3],
                             struct shader_program **program, struct status *status) {
@@ -168,8 +178,9 @@ static bool compile_sources(struct shader_library *library, const struct shader_
         .material_count = is_light ? 0 : wanted->material_count,
         .exports = material,
         .export_count = is_light ? wanted->material_count : 0,
-        .fast_math = library->fast_math,
-        .reference_math = library->reference_math,
+        .fast_math = library->precision.fast_math || is_fast_shader(library, wanted->name),
+        .half_parameters = library->precision.half_parameters,
+        .reference_math = library->precision.reference_math,
         .read_include = read_included,
         .read_include_context = &included};
     const bool ok = shader_compile(sources[0].path, sources[0].text, sources[0].length, &options,

@@ -16,9 +16,16 @@ struct shader_variant {
     const struct shader_program *program;
 };
 
+/* How accurately shaders compute, and how their parameters travel. */
+struct shader_precision {
+    bool fast_math, reference_math;
+    const char *fast_shaders; /* names with commas: these use fast functions; NULL: none */
+    bool half_parameters;
+};
+
 /* `folders`: where NAME.sl is looked for, in order; copied. */
 struct shader_library *shader_library_create(const char *const *folders, int folder_count,
-                                             bool fast_math, bool reference_math);
+                                             const struct shader_precision *precision);
 void shader_library_destroy(struct shader_library *library);
 
 /* A shader, with the displacement and volume shaders that go with a surface (NULL: none).

@@ -110,7 +110,8 @@ static bool prepare(struct prepared_shader *prepared, struct shader_table *table
         return status_fail(status, STATUS_INVALID, "%s %u does not fit its shader %s",
                            is_light ? "light" : "instance", prepared->payload.id, module->name);
     load_matrices(prepared);
-    const size_t uniform_bytes = ((size_t)module->uniform_count * module->real_bytes + 64) / 64 * 64;
+    const size_t uniform_bytes =
+        ((size_t)module->uniform_count * module->real_bytes + 64) / 64 * 64;
     prepared->uniform = aligned_alloc(64, uniform_bytes);
     if (!prepared->uniform)
         abort();

@@ -39,6 +39,8 @@ enum {
     OPTION_BOARD,
     OPTION_SUPERVISOR,
     OPTION_CHORD,
+    OPTION_FAST_SHADERS,
+    OPTION_PARAMETERS,
     OPTION_EXPLAIN_WORK,
 };
 
@@ -63,6 +65,8 @@ static const struct option long_options[] = {
     {"compression", required_argument, NULL, OPTION_COMPRESSION},
     {"math", required_argument, NULL, OPTION_MATH},
     {"explain-work", no_argument, NULL, OPTION_EXPLAIN_WORK},
+    {"fast-shaders", required_argument, NULL, OPTION_FAST_SHADERS},
+    {"parameters", required_argument, NULL, OPTION_PARAMETERS},
     {"chord", required_argument, NULL, OPTION_CHORD},
     {"shaders", required_argument, NULL, OPTION_SHADERS},
     {"deadline", required_argument, NULL, OPTION_DEADLINE},
@@ -120,6 +124,10 @@ static void print_help(bool is_host_program) {
          "faster ones;\n"
          "                             reference: everything in double precision, to state errors "
          "against\n"
+         "      --fast-shaders NAMES   these shaders alone (with commas) use the faster functions\n"
+         "      --parameters P         of vertices on the composition network: float (default), or "
+         "half:\n"
+         "                             rounded to 16 bits after interpolation\n"
          "      --shaders FOLDER       look for shaders here too; may be repeated. Before it: the "
          "scene's\n"
          "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the "
@@ -274,6 +282,7 @@ static bool parse_one(int option, const char *text, struct render_options *o,
     static const char *const drivers[] = {"processes", "in-process", NULL};
     static const char *const transports[] = {"ipc", "tcp", NULL};
     static const char *const compressions[] = {"none", "rle", "zips", "zip", "piz", NULL};
+    static const char *const parameters[] = {"float", "half", NULL};
     static const char *const maths[] = {"exact", "fast", "reference", NULL};
     long long whole = 0;
     int choice = 0;
@@ -340,12 +349,19 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         return ok;
     case OPTION_MATH:
         ok = parse_choice(text, "--math", maths, &choice, status);
-        o->host.fast_math = choice == 1;
-        o->host.reference_math = choice == 2;
+        o->host.precision.fast_math = choice == 1;
+        o->host.precision.reference_math = choice == 2;
         return ok;
     case OPTION_EXPLAIN_WORK:
         o->host.explain_work = true;
         return true;
+    case OPTION_FAST_SHADERS:
+        o->host.precision.fast_shaders = text;
+        return true;
+    case OPTION_PARAMETERS:
+        ok = parse_choice(text, "--parameters", parameters, &choice, status);
+        o->host.precision.half_parameters = choice == 1;
+        return ok;
     case OPTION_CHORD:
         return parse_chord(text, &o->host.reading.chord_pixels, status);
     case OPTION_SHADERS:

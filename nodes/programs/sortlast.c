@@ -7,6 +7,7 @@
 #include "nodes/programs/predict_command.h"
 #include "nodes/programs/scale.h"
 #include "nodes/programs/trace_command.h"
+#include "nodes/programs/tradeoff.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -28,6 +29,7 @@ static int render_main(int argc, char **argv) {
     X("compare", image_compare_main, "say how far two pictures are apart")                         \
     X("budget", budget_main, "say what samples and regions may cost, and what would help")         \
     X("predict", predict_main, "say what a recorded run would take on other clusters")             \
+    X("tradeoff", tradeoff_main, "say what speed costs in accuracy, and draw the frontier")        \
     X("scale", scale_main, "say how frames get faster with more nodes, predicted and run")         \
     X("trace", trace_main, "draw the timeline of nodes and networks")                              \
     X("machine", machine_main, "show, list or check machine descriptions")

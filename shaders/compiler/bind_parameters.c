@@ -39,6 +39,7 @@ static void mark_parameter(struct ir_node *node, void *context) {
 
 void pass_bind_parameters(struct ir_program *ir) {
     struct shader_program *program = ir->c->program;
+    const bool are_halves = ir->c->options && ir->c->options->half_parameters;
     ir->uses_texts = ir->uses_shared_lights = ir->uses_illuminance = ir->uses_ambient =
         ir->uses_neighbours = false;
     ir->spaces = 0;
@@ -54,6 +55,8 @@ void pass_bind_parameters(struct ir_program *ir) {
         *offset = *total;
         *total += parameter->components;
         if (parameter->is_material) {
+            if (are_halves && parameter->bytes > 2 * parameter->components)
+                parameter->bytes = 2 * parameter->components;
             parameter->map_byte = SHADER_ID_BYTES + program->material_bytes;
             program->material_bytes += parameter->bytes;
         }

@@ -33,7 +33,7 @@ static void included_files_are_found(void **state) {
     write_file(far, "third.h", "#define THIRD 0.25\n");
     write_file(near, "b.sl", "#include \"missing.h\"\nsurface b() { Ci = 1; }");
     const char *folders[2] = {far, near};
-    struct shader_library *library = shader_library_create(folders, 2, false, false);
+    struct shader_library *library = shader_library_create(folders, 2, &(struct shader_precision){0});
     const struct scene_location at = {"scene.rib", 1, 1};
     const struct shader_variant *variant;
     struct status status = {0};
