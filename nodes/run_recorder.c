@@ -140,7 +140,8 @@ static int compare_work(const void *a, const void *b) {
 /* Everything of the frame is here: enters it into the record. */
 static bool complete_frame(struct record_frame *frame, struct pending_frame *pending,
                            struct status *status) {
-    qsort(pending->work, pending->work_count, sizeof *pending->work, compare_work);
+    if (pending->work_count)
+        qsort(pending->work, pending->work_count, sizeof *pending->work, compare_work);
     for (size_t w = 0; w < pending->work_count; w++) {
         const struct chunk_work *work = &pending->work[w];
         if (work->region >= frame->region_count || work->chunk >= frame->chunk_count ||

@@ -359,7 +359,8 @@ struct budget_suggestion *budget_suggest(struct what_if_solver *solver,
     for (int knob = 0; knob < KNOB_COUNT; knob++)
         suggest_knob(&search, (enum knob)knob);
     suggest_together(&search);
-    qsort(search.list, search.count, sizeof *search.list, compare_suggestions);
+    if (search.count)
+        qsort(search.list, search.count, sizeof *search.list, compare_suggestions);
     *count = search.count;
     return search.list;
 }
