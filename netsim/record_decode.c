@@ -11,7 +11,7 @@
 enum { RECORD_SIDE_MAX = 65536, RECORD_SAMPLES_MAX = 64, RECORD_FLOATS_MAX = 1 << 20 };
 
 /* Memory a record may take when read: a small file could ask for any amount by repetition. */
-#define RECORD_MEMORY_MAX ((uint64_t)4 << 30)
+#define RECORD_MEMORY_MAX ((uint64_t)1 << 30)
 
 /* Reads the payload; past its end everything is 0 and `failed` is set. */
 struct decoder {
