@@ -17,6 +17,7 @@ struct shader_library {
     char **folders;
     int folder_count;
     struct shader_precision precision;
+    struct shader_compile_options base; /* shader_library_set_base */
     struct library_entry **entries; /* pointers: variants must not move */
     size_t count, capacity;
     size_t warned_entry;
@@ -32,6 +33,11 @@ struct shader_library *shader_library_create(const char *const *folders, int fol
     library->folder_count = folder_count;
     library->precision = *precision;
     return library;
+}
+
+void shader_library_set_base(struct shader_library *library,
+                             const struct shader_compile_options *base) {
+    library->base = *base;
 }
 
 void shader_library_destroy(struct shader_library *library) {
@@ -181,6 +187,9 @@ static bool compile_sources(struct shader_library *library, const struct shader_
         .fast_math = library->precision.fast_math || is_fast_shader(library, wanted->name),
         .half_parameters = library->precision.half_parameters,
         .reference_math = library->precision.reference_math,
+        .pixel_memory_bytes = library->base.pixel_memory_bytes,
+        .passes_left_out = library->base.passes_left_out,
+        .dump = library->base.dump,
         .read_include = read_included,
         .read_include_context = &included};
     const bool ok = shader_compile(sources[0].path, sources[0].text, sources[0].length, &options,

@@ -10,7 +10,7 @@
  * that faces the eye. What it costs is counted as a shading node counts it. */
 
 struct shader_study_options {
-    const char *path; /* of the source */
+    const char *path;           /* of the source */
     const char *const *folders; /* for lights and included files */
     int folder_count;
     const char *const *definitions; /* NAME=VALUE[,VALUE...] of bound parameters */

@@ -6,6 +6,7 @@
 #include "nodes/programs/machine_command.h"
 #include "nodes/programs/predict_command.h"
 #include "nodes/programs/scale.h"
+#include "nodes/programs/shader_command.h"
 #include "nodes/programs/trace_command.h"
 #include "nodes/programs/tradeoff.h"
 
@@ -26,6 +27,7 @@ static int render_main(int argc, char **argv) {
 /* Verbs of the command: X(name, function, what it does) */
 #define VERBS(X)                                                                                   \
     X("render", render_main, "render a scene on a local cluster")                                  \
+    X("shader", shader_main, "say what a shader costs, or shade a grid with it")                   \
     X("compare", image_compare_main, "say how far two pictures are apart")                         \
     X("budget", budget_main, "say what samples and regions may cost, and what would help")         \
     X("predict", predict_main, "say what a recorded run would take on other clusters")             \
