@@ -17,7 +17,7 @@
 surface planks(float width = 0.1; float planklength = 0.6; float gap = 0.003; float edge = 0.003;
                color lightwood = color (0.62, 0.40, 0.20); color darkwood = color (0.34, 0.18, 0.07);
                float ringscale = 3; float fibre = 0.35; float variation = 0.3;
-               float Ka = 1; float Kd = 0.8; float Ks = 0.25; float roughness = 0.08;
+               float Ka = 1; float Kd = 0.8; float Ks = 0; float roughness = 0.08;
                float varnish = 0; color varnishcolor = color (0.5, 0.5, 0.5);) {
     /* which plank, and where on it */
     float across = t / width;
@@ -51,12 +51,18 @@ surface planks(float width = 0.1; float planklength = 0.6; float gap = 0.003; fl
         vector Ln = normalize(L);
         float facing = max(0, Nf . Ln);
         body += Kd * facing * Cl;
-        shine += pow(max(0, Nf . normalize(Ln + V)), 1 / roughness) * smoothstep(0, 0.05, facing) * Cl;
+        if (Ks > 0)
+            shine += pow(max(0, Nf . normalize(Ln + V)), 1 / roughness) * smoothstep(0, 0.05, facing) * Cl;
     }
-    /* Schlick's approximation of how much more a surface mirrors the flatter one looks along it */
-    float grazing = 1 - clamp(Nf . V, 0, 1);
-    float squared = grazing * grazing;
-    float mirror = varnish * inside * squared * squared * grazing;
-    Ci = wood * body * (1 - mirror) + inside * Ks * shine + mirror * varnishcolor;
+    Ci = wood * body;
+    if (varnish > 0) {
+        /* Schlick's approximation of how much more a surface mirrors the flatter one looks along it */
+        float grazing = 1 - clamp(Nf . V, 0, 1);
+        float squared = grazing * grazing;
+        float mirror = varnish * inside * squared * squared * grazing;
+        Ci = Ci * (1 - mirror) + mirror * varnishcolor;
+    }
+    if (Ks > 0)
+        Ci += inside * Ks * shine;
     Oi = 1;
 }
