@@ -226,19 +226,23 @@ SIMD_INLINE int64_t sx_from_float(float x, int exponent, int size, int is_unsign
     return cut - ((double)cut > y);
 }
 
-/* The nearest float (ties to even). More than 53 bits are rounded to odd first, which leaves the
- * last rounding to the conversion alone. */
+/* The nearest float (ties to even). What takes more than 53 bits is rounded to odd first, which
+ * leaves the last rounding to the conversion alone; what takes less is exact in double precision. */
 SIMD_INLINE vf vx_to_float(vx x, int exponent, int size, int is_unsigned) {
     if (size <= 53)
         return __builtin_convertvector(
             __builtin_convertvector(x, simd_doubles) * simd_power_of_two(-exponent), vf);
+    const vx high = vx_shift(x, -53, is_unsigned);
+    const vx is_long = is_unsigned ? (vx)(high != 0) : (vx)(high != (x >> 63));
     const vx odd = vx_shift(x, -11, is_unsigned) | ((vx)((x & 0x7ff) != 0) & 1);
-    return __builtin_convertvector(
-        __builtin_convertvector(odd, simd_doubles) * simd_power_of_two(11 - exponent), vf);
+    const simd_doubles exact = __builtin_convertvector(x & ~is_long, simd_doubles),
+                       rounded = __builtin_convertvector(odd & is_long, simd_doubles);
+    return __builtin_convertvector((exact + rounded * 0x1p11) * simd_power_of_two(-exponent), vf);
 }
 
 SIMD_INLINE float sx_to_float(int64_t x, int exponent, int size, int is_unsigned) {
-    if (size <= 53)
+    const int64_t high = sx_shift(x, -53, is_unsigned);
+    if (size <= 53 || high == (is_unsigned ? 0 : x >> 63))
         return (float)((double)x * simd_power_of_two(-exponent));
     const int64_t odd = sx_shift(x, -11, is_unsigned) | ((x & 0x7ff) != 0);
     return (float)((double)odd * simd_power_of_two(11 - exponent));

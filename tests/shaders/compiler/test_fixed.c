@@ -301,7 +301,7 @@ static void floats_become_the_nearest_number_below_or_an_end(void **state) {
         uint32_t bits = (uint32_t)rng_next(&rng);
         if (i % 4) /* in or near the range */
             bits = (bits & 0x807fffffu) |
-                   (uint32_t)(127 + to.size - to.exponent - (int)rng_below(&rng, 70) + 2 & 255) << 23;
+                   (uint32_t)((129 + to.size - to.exponent - (int)rng_below(&rng, 70)) & 255) << 23;
         float number;
         memcpy(&number, &bits, sizeof number);
         const struct ir_operand from = ir_float(number);
@@ -334,6 +334,13 @@ static void floats_come_back_rounded_to_nearest_even(void **state) {
     for (int i = 0; i < 300000; i++) {
         const struct ir_operand from = draw(&rng);
         const float got = fold_fixed_to_float(&from);
+        if (got - got != 0) { /* beyond the largest float and half a step */
+            set_value(model.a, from.raw, from.format);
+            mpq_set_d(model.b, 0x1.ffffffp127);
+            mpq_abs(model.a, model.a);
+            assert_true(mpq_cmp(model.a, model.b) >= 0);
+            continue;
+        }
         set_value(model.a, from.raw, from.format);
         /* no float is nearer: the neighbours are at least as far away */
         const float below = __builtin_nextafterf(got, -__builtin_inff()),
@@ -351,7 +358,11 @@ static void floats_come_back_rounded_to_nearest_even(void **state) {
             const int order = mpq_cmp(model.exact, model.b);
             uint32_t bits;
             memcpy(&bits, &got, sizeof bits);
-            assert_true(order < 0 || (order == 0 && !(bits & 1)));
+            if (order > 0 || (order == 0 && bits & 1)) {
+                char name[32];
+                fail_msg("%lld:%s is not %a", (long long)from.raw,
+                         fixed_format_name(from.format, name), (double)got);
+            }
         }
     }
     mpf_clear(x);
