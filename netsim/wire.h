@@ -38,6 +38,8 @@ enum { WIRE_VERSION = 1, WIRE_HEADER_BYTES = 64 };
     X(GOODBYE, "goodbye", "framebuffer node", "host")                                              \
     X(PROBE, "probe", "host", "all")                                                               \
     X(SHARED, "shared memory", "any node", "another on the same machine")                          \
+    X(ARRIVAL, "arrival", "shading node", "rendering node")                                        \
+    X(FILLER, "filler", "rendering node", "shading node")                                          \
     X(CREDIT, "credit", "any node", "whoever sent it a region")                                    \
     X(CHUNK_WORK, "chunk work", "rendering node", "host")                                          \
     X(REGION_COSTS, "region costs", "framebuffer node", "host")

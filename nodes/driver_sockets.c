@@ -163,7 +163,8 @@ static bool step(struct socket_driver *driver, const struct node_event *event,
     return ok;
 }
 
-static bool start_pacing(struct socket_driver *driver, double scale, struct status *status) {
+static bool start_pacing(struct socket_driver *driver, double scale, bool is_shaped,
+                         struct status *status) {
     if (scale == 0)
         return true;
     if (!(scale >= PACER_SCALE_MIN && scale <= PACER_SCALE_MAX))
@@ -171,7 +172,7 @@ static bool start_pacing(struct socket_driver *driver, double scale, struct stat
     driver->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
     if (driver->timer < 0)
         return status_fail(status, STATUS_IO, "cannot make a timer: %s", strerror(errno));
-    driver->pacer = pacer_create(scale, driver->node->address);
+    driver->pacer = pacer_create(scale, is_shaped, driver->node->address);
     return true;
 }
 
@@ -219,6 +220,7 @@ static bool send_topology(struct socket_driver *driver, struct status *status) {
     wire_put_u32(&writer, driver->options->rendering_nodes);
     wire_put_u32(&writer, driver->options->shading_nodes);
     wire_put_f64(&writer, driver->options->pace);
+    wire_put_u32(&writer, driver->options->is_shaped);
     for (size_t i = 0; i < driver->peer_count; i++) {
         wire_put_u32(&writer, node_address_pack(driver->peers[i].address));
         wire_put_string(&writer, driver->peers[i].endpoint);
@@ -236,6 +238,7 @@ static bool take_topology(struct socket_driver *driver, const struct message *me
     struct wire_reader reader = wire_payload(message->bytes, message->length);
     const uint32_t rendering_nodes = wire_get_u32(&reader), shading_nodes = wire_get_u32(&reader);
     const double pace = wire_get_f64(&reader);
+    const bool is_shaped = wire_get_u32(&reader);
     if (driver->peers || rendering_nodes > 65536 || shading_nodes > 65536)
         return status_fail(status, STATUS_INVALID, "damaged topology message");
     add_all_peers(driver, rendering_nodes, shading_nodes);
@@ -246,7 +249,8 @@ static bool take_topology(struct socket_driver *driver, const struct message *me
         if (peer)
             snprintf(peer->endpoint, sizeof peer->endpoint, "%s", endpoint);
     }
-    if (!wire_reader_done(&reader, "topology", status) || !start_pacing(driver, pace, status))
+    if (!wire_reader_done(&reader, "topology", status) ||
+        !start_pacing(driver, pace, is_shaped, status))
         return false;
     driver->is_started = true;
     return send_to(driver, find_peer(driver, (struct node_address){NODE_HOST, 0}),
@@ -546,7 +550,8 @@ bool driver_sockets_run(struct node *node, const struct socket_options *options,
     status->code = STATUS_OK;
     if (socket_is_host(&driver))
         add_all_peers(&driver, options->rendering_nodes, options->shading_nodes);
-    bool ok = (!socket_is_host(&driver) || start_pacing(&driver, options->pace, status)) &&
+    bool ok = (!socket_is_host(&driver) ||
+               start_pacing(&driver, options->pace, options->is_shaped, status)) &&
               socket_open_input(&driver, endpoint, status) && socket_open_control(&driver, status);
     if (ok && !socket_is_host(&driver)) {
         struct message *hello =

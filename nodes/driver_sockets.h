@@ -27,8 +27,9 @@ struct socket_options {
     struct shared_pool *pool;                /* may be NULL: all bytes go through sockets */
     const volatile sig_atomic_t *stop;       /* set by a signal: leave quietly */
     volatile sig_atomic_t *describe;         /* set by SIGUSR1: say what the node waits for */
-    double pace;            /* host only: the cluster runs at this fraction of the machine's speed
-                               (nodes/pacer.h); 0: as fast as it can */
+    double pace;    /* host only: the cluster runs at this fraction of the machine's speed
+                       (nodes/pacer.h); 0: as fast as it can */
+    bool is_shaped; /* host only, with pace: the network below throttles the composition link */
     int64_t *pace_begin_ns; /* host only, may be NULL: when the first charged byte was sent, on
                                CLOCK_MONOTONIC */
     pid_t supervisor; /* hands SIGUSR1 on to all nodes when the host's deadline expires; 0: none */

@@ -46,6 +46,7 @@ struct received_region {
 
 struct pacer {
     double scale;
+    bool is_shaped;
     struct node_address self;
     bool has_machine;
     struct configuration configuration;
@@ -115,9 +116,10 @@ static uint32_t buffer_count(const struct pacer *pacer) {
     return (uint32_t)pacer->configuration.machine.composition_region_buffers;
 }
 
-struct pacer *pacer_create(double scale, struct node_address self) {
+struct pacer *pacer_create(double scale, bool is_shaped, struct node_address self) {
     struct pacer *pacer = memory_get(1, sizeof *pacer);
     pacer->scale = scale;
+    pacer->is_shaped = is_shaped;
     pacer->self = self;
     pacer->begin = INT64_MIN;
     pacer->link_free = pacer->raster_end = pacer->busy_until = INT64_MIN;
@@ -269,9 +271,47 @@ static bool output_region(struct pacer *pacer, struct node_address to, struct me
     return true;
 }
 
+/* What the machine would have sent of a covered region besides the bytes of its message. */
+static struct message *make_filler(const struct pacer *pacer, const struct waiting_region *region) {
+    const struct machine *machine = &pacer->configuration.machine;
+    struct region_view view;
+    if (!region_open(region->message->bytes, region->message->length,
+                     (uint32_t)machine_region_samples(machine), &view, NULL))
+        return NULL;
+    const size_t charged = (size_t)(machine_region_samples(machine) *
+                                    machine_map_words(machine, view.head.longest_map) *
+                                    machine->composition_word_bytes);
+    const size_t sent = region->message->length + WIRE_HEADER_BYTES;
+    struct message *filler =
+        message_create(WIRE_HEADER_BYTES + (charged > sent ? charged - sent : 0));
+    memset(filler->bytes, 0, filler->length);
+    wire_seal(filler, (struct wire_header){.kind = WIRE_FILLER,
+                                           .frame = region->frame,
+                                           .region = region->region,
+                                           .sender = node_address_pack(pacer->self)});
+    return filler;
+}
+
+/* The network below takes its time over the region; its ARRIVAL says when the link is free. */
+static void start_shaped(struct pacer *pacer, const struct waiting_region *head, int64_t start) {
+    struct message *filler = make_filler(pacer, head);
+    if (filler)
+        add_due(pacer, start, (struct pacer_action){false, head->to, filler});
+    add_due(pacer, start, (struct pacer_action){false, head->to, head->message});
+    ring_fill(&pacer->shading[head->to.index], buffer_count(pacer), head->frame, head->region);
+    pacer->link_free = NEVER;
+}
+
+static void take_arrival(struct pacer *pacer, const struct wire_header *header, int64_t now) {
+    pacer->link_free = now;
+    ring_release(&pacer->own, buffer_count(pacer), header->frame, header->region, now);
+}
+
 /* When the region at the head may go; NEVER while a credit is missing. */
 static int64_t head_start(const struct pacer *pacer, const struct waiting_region *head) {
     int64_t start = later(head->arrived, pacer->link_free);
+    if (start == NEVER)
+        return NEVER;
     if (head->raster >= 0) {
         const int64_t buffer = pacer->own.free_at[pacer->own.next];
         if (buffer == NEVER)
@@ -298,6 +338,10 @@ static void start_head(struct pacer *pacer, int64_t start) {
             later(pacer->raster_end, pacer->geometry_end[head.frame % FRAMES_KNOWN]);
         pacer->raster_end = later(begin, pacer->own.free_at[pacer->own.next]) + head.raster;
         ring_fill(&pacer->own, buffers, head.frame, head.region);
+    }
+    if (pacer->is_shaped && head.is_covered) {
+        start_shaped(pacer, &head, start);
+        return;
     }
     const int64_t end = occupy_link(pacer, start, (double)head.transfer);
     if (!is_last_rendering_node(pacer)) {
@@ -447,6 +491,12 @@ bool pacer_input(struct pacer *pacer, const struct node_event *event, int64_t no
     case WIRE_CONFIGURATION:
         configure(pacer, event->message);
         return false;
+    case WIRE_FILLER:
+        return true;
+    case WIRE_ARRIVAL:
+        if (pacer->is_shaped && pacer->shading)
+            take_arrival(pacer, header, now_ns);
+        return true;
     case WIRE_CREDIT:
         take_credit(pacer, header, now_ns);
         return true;
@@ -459,6 +509,12 @@ bool pacer_input(struct pacer *pacer, const struct node_event *event, int64_t no
     case WIRE_COLOUR:
         if (pacer->has_machine && pacer->self.role == NODE_FRAMEBUFFER)
             return input_framebuffer(pacer, event, now_ns);
+        if (pacer->self.role == NODE_SHADING && header->kind == WIRE_REGION && pacer->is_shaped)
+            add_due(pacer, now_ns,
+                    (struct pacer_action){
+                        .to = {NODE_RENDERING, 0},
+                        .message = signal_encode(WIRE_ARRIVAL, header->frame, header->region,
+                                                 node_address_pack(pacer->self))});
         if (pacer->self.role == NODE_SHADING && header->kind == WIRE_REGION)
             add_received(pacer, (struct received_region){.frame = header->frame,
                                                          .region = header->region,

@@ -29,7 +29,11 @@ struct pacer;
 #define PACER_SCALE_MIN 1e-9
 #define PACER_SCALE_MAX 1e3
 
-struct pacer *pacer_create(double scale, struct node_address self);
+/* `is_shaped`: the composition link is throttled by the network below the sockets (tc tbf). A
+ * region then goes with a FILLER in front that makes up what the machine would have sent, and the
+ * link is free when the shading node tells of its ARRIVAL. For one rendering node: what the network
+ * below stores and forwards cannot cut through a chain. */
+struct pacer *pacer_create(double scale, bool is_shaped, struct node_address self);
 void pacer_destroy(struct pacer *pacer);
 
 /* A message on its way out. True: the pacer took over the hold and gives it back by pacer_next;

@@ -71,6 +71,7 @@ static bool run_by_sockets(struct node *host, const struct render_options *optio
         .stop = &program_stop,
         .describe = &program_describe,
         .pace = options->pace,
+        .is_shaped = options->is_shaped,
         .pace_begin_ns = pace_begin_ns,
         .supervisor = options->supervisor,
     };

@@ -34,6 +34,7 @@ enum {
     OPTION_DEADLINE,
     OPTION_SCHEDULE_SEED,
     OPTION_PACE,
+    OPTION_PACE_SHAPED,
     OPTION_COMPOSITION,
     OPTION_BIND,
     OPTION_BOARD,
@@ -73,6 +74,7 @@ static const struct option long_options[] = {
     {"schedule-seed", required_argument, NULL, OPTION_SCHEDULE_SEED},
     {"composition", required_argument, NULL, OPTION_COMPOSITION},
     {"pace", required_argument, NULL, OPTION_PACE},
+    {"pace-shaped", no_argument, NULL, OPTION_PACE_SHAPED},
     {"bind", required_argument, NULL, OPTION_BIND},
     {"status-board", required_argument, NULL, OPTION_BOARD},
     {"supervisor", required_argument, NULL, OPTION_SUPERVISOR},
@@ -142,6 +144,12 @@ static void print_help(bool is_host_program) {
          "0.01 makes\n"
          "                             1 ms of simulated time last 100 ms (default: as fast as it "
          "goes)\n"
+         "      --pace-shaped          with --pace and one rendering node: the network below (tc "
+         "tbf) "
+         "throttles\n"
+         "                             the composition link; messages are filled up to the "
+         "machine's "
+         "size\n"
          "      --deadline S           longest silence before a node counts as stuck (default 60)\n"
          "\n"
          "Output\n"
@@ -375,6 +383,9 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         ok = parse_whole(text, "--schedule-seed", 0, LLONG_MAX, &whole, status);
         o->schedule_seed = (uint64_t)whole;
         return ok;
+    case OPTION_PACE_SHAPED:
+        o->is_shaped = true;
+        return true;
     case OPTION_COMPOSITION:
         return parse_composition(text, &o->host.strategy, status);
     case OPTION_PACE:
@@ -544,6 +555,10 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
     if (options->pace > 0 && options->host.strategy->plan) {
         status_fail(&status, STATUS_INVALID, "--pace follows the chain only, not --composition %s",
                     options->host.strategy->name);
+        return usage_error(&status);
+    }
+    if (options->is_shaped && (options->pace <= 0 || options->host.rendering_nodes != 1)) {
+        status_fail(&status, STATUS_INVALID, "--pace-shaped needs --pace and -r 1");
         return usage_error(&status);
     }
     if (options->pace > 0 && options->driver == DRIVER_IN_PROCESS) {

@@ -17,6 +17,7 @@ struct render_options {
     enum render_transport transport;
     uint64_t schedule_seed; /* of the in-process driver */
     const char *json;       /* file, "-" for standard output, NULL: none */
+    bool is_shaped;         /* with pace: the network below throttles the composition link */
     double pace;            /* 0: as fast as this machine can */
     const char *record;     /* file for the record of the run, NULL: none */
     bool explain_time;

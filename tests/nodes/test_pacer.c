@@ -177,7 +177,7 @@ static void check_cluster(uint32_t r, uint32_t s, int frames, const struct chang
         shading_node_create(i, &interface, &trace, &cluster.nodes[cluster.count++], NULL);
     framebuffer_node_create(&interface, &trace, &cluster.nodes[cluster.count++], NULL);
     for (size_t i = 0; i < cluster.count; i++)
-        cluster.pacers[i] = pacer_create(scale, cluster.nodes[i]->address);
+        cluster.pacers[i] = pacer_create(scale, false, cluster.nodes[i]->address);
     run(&cluster);
     const struct host_report *report = host_node_report(cluster.nodes[0]);
     assert_int_equal(report->frame_count, (size_t)frames);
