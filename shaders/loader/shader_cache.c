@@ -298,7 +298,8 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
     }
     job->pid = 0;
     bool ok = ended > 0 && WIFEXITED(result) && WEXITSTATUS(result) == 0;
-    if (!ok) {
+    const bool is_stopped = cache->stop && *cache->stop; /* that is no failure to speak of */
+    if (!ok && !is_stopped) {
         char words[1024] = "";
         FILE *file = fopen(job->words, "rb");
         size_t length = file ? fread(words, 1, sizeof words - 1, file) : 0;
@@ -309,7 +310,7 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
                     cache->compiler, job->source->name,
                     length ? words
                            : "it was stopped, or could not write its result (is the disk full?)");
-    } else if (rename(job->temporary, job->object)) {
+    } else if (ok && rename(job->temporary, job->object)) {
         ok = status_fail(status, STATUS_IO, "cannot write %s: %s", job->object, strerror(errno));
     }
     unlink(job->temporary);

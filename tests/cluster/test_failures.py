@@ -276,8 +276,9 @@ def test_an_interrupt_or_a_lost_supervisor_while_shaders_compile_leaves_no_file_
             process = subprocess.Popen([SORTLAST, "render", scene], cwd=folder.path, env=environment, stderr=subprocess.PIPE)
             time.sleep(wait)
             process.send_signal(number)
-            process.communicate(timeout=20)
+            err = process.communicate(timeout=20)[1]
             folder.assert_nothing_left()
+            assert b"compiler" not in err, "an interrupt is reported as a failure: %s" % err
 
 
 def test_two_variants_of_a_shader_in_an_empty_cache():
