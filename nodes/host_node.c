@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/host_node.h"
+#include "nodes/stream_cache.h"
 
 #include "netsim/distribution.h"
 #include "nodes/chunker.h"
@@ -43,7 +44,9 @@ struct host_node {
     uint32_t regions;            /* of a frame */
     struct work_names
         names[HOST_FRAMES_UNDER_WAY]; /* of the frames under way, when work is explained */
-    struct run_recorder *recorder;    /* NULL: the run is not recorded */
+    struct stream_cache streams;
+    struct stream_counts stream_counts[HOST_FRAMES_UNDER_WAY]; /* of the frames under way */
+    struct run_recorder *recorder;                             /* NULL: the run is not recorded */
     struct host_report report;
     size_t frame_capacity, warning_capacity;
 };
@@ -286,6 +289,8 @@ static bool send_new_frame(struct host_node *self, struct scene_frame *frame,
     ok = compile_new_shaders(self, status) && begin_frame(self, &payload, outputs, status);
     if (ok) {
         report_instances(self, &plan);
+        self->stream_counts[self->next_frame % HOST_FRAMES_UNDER_WAY] =
+            stream_cache_next(&self->streams, &plan);
         if (self->options.explain_work)
             work_names_take(&self->names[self->next_frame % HOST_FRAMES_UNDER_WAY], &plan);
         if (self->recorder)
@@ -319,6 +324,8 @@ static bool repeat_frame(struct host_node *self, struct node_outputs *outputs,
     self->last_frame.number = self->last_number + 1;
     if (!begin_frame(self, &self->last_frame, outputs, status))
         return false;
+    self->stream_counts[self->next_frame % HOST_FRAMES_UNDER_WAY] =
+        stream_cache_repeat(&self->streams);
     work_names_copy(&self->names[self->next_frame % HOST_FRAMES_UNDER_WAY],
                     &self->names[(self->next_frame + 1) % HOST_FRAMES_UNDER_WAY]);
     if (self->recorder)
@@ -404,6 +411,8 @@ static bool finish_frame(struct host_node *self, const struct node_event *event,
                                  sizeof *report->frames);
     record.frame = event->header.frame;
     record.number = number_under_way(self, record.frame);
+    record.streams_generated = self->stream_counts[record.frame % HOST_FRAMES_UNDER_WAY].generated;
+    record.streams_reused = self->stream_counts[record.frame % HOST_FRAMES_UNDER_WAY].reused;
     work_names_apply(&self->names[record.frame % HOST_FRAMES_UNDER_WAY], &record.work);
     report->frames[report->frame_count++] = record;
     self->frames_done++;
@@ -518,6 +527,7 @@ static void host_node_destroy(struct node *node) {
         scene_frame_destroy(self->upcoming);
     rib_reader_destroy(self->reader);
     run_recorder_destroy(self->recorder);
+    stream_cache_finish(&self->streams);
     shader_library_destroy(self->library);
     for (size_t i = 0; i < report->frame_count; i++)
         frame_record_finish(&report->frames[i]);
@@ -550,9 +560,9 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     self->reader = reader;
     self->library = shader_library_create(options->shader_folders, options->shader_folder_count,
                                           &options->precision);
-    shader_library_set_base(self->library, &(struct shader_compile_options){
-                                               .pixel_memory_bytes =
-                                                   (int)options->machine.pixel_memory_bytes});
+    shader_library_set_base(self->library,
+                            &(struct shader_compile_options){
+                                .pixel_memory_bytes = (int)options->machine.pixel_memory_bytes});
     if (options->is_recorded) {
         self->recorder =
             run_recorder_create(options->scene, &options->machine, options->seed,

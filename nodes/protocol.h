@@ -169,6 +169,7 @@ bool colour_open(const struct message *message, uint32_t region_samples, uint32_
 struct frame_record {
     uint32_t frame; /* index from 0 */
     int number;     /* as the scene counts (FrameBegin); known to the host, not sent */
+    uint32_t streams_generated, streams_reused; /* instruction streams, likewise */
     uint32_t regions, regions_covered;
     uint64_t samples_covered, samples_total;
     int64_t start_ps, end_ps, time_ps;

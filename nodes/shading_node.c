@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/shading_node.h"
 
+#include "nodes/instance_merge.h"
 #include "nodes/reference_batch.h"
 #include "nodes/region_exchange.h"
 #include "nodes/sample_quads.h"
@@ -160,8 +161,8 @@ static void rebuild_reference_positions(struct shading_node *self,
 
 static int shade_batch(struct shading_node *self, const struct shading_frame *frame,
                        const struct region_view *region, struct prepared_shader *instance,
-                       const uint32_t *order, const uint8_t *present, size_t count,
-                       struct colour_draft *draft) {
+                       struct execution_counts *counts, const uint32_t *order,
+                       const uint8_t *present, size_t count, struct colour_draft *draft) {
     const struct shader_module *module = instance->module;
     struct batch *batch = &self->batch;
     const size_t width = module->width, padded = (count + width - 1) / width * width;
@@ -183,7 +184,7 @@ static int shade_batch(struct shading_node *self, const struct shading_frame *fr
         .light_vectors = instance->light_vectors,
         .texts = instance->texts ? &instance->texts->texts : NULL,
         .light_scratch = batch->light_scratch,
-        .counters = &instance->counts.counters,
+        .counters = &counts->counters,
     };
     for (int c = 0; c < 3; c++) {
         call.position[c] = batch->position[c];
@@ -204,11 +205,12 @@ static int shade_batch(struct shading_node *self, const struct shading_frame *fr
     return call.overrun;
 }
 
-/* One instance over all its samples in the region. */
+/* One instance over all its samples in the region; `leader` is the one it runs with, which keeps
+ * the counts. */
 static void shade_instance(struct shading_node *self, const struct shading_frame *frame,
                            const struct region_view *region, struct prepared_shader *instance,
-                           const uint32_t *order, size_t count, struct colour_draft *draft,
-                           struct node_outputs *outputs) {
+                           struct prepared_shader *leader, const uint32_t *order, size_t count,
+                           struct colour_draft *draft, struct node_outputs *outputs) {
     const struct shader_module *module = instance->module;
     batch_reserve(&self->batch, (size_t)module->material_count,
                   (size_t)(module->light_sets * instance->light_count * instance->light_vectors));
@@ -216,7 +218,8 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
         reference_batch_reserve(
             &self->reference, BATCH_SAMPLES, (size_t)module->material_count,
             (size_t)(module->light_sets * instance->light_count * instance->light_vectors));
-    execution_counts_reset(&instance->counts);
+    if (leader == instance)
+        execution_counts_reset(&leader->counts);
     int overrun = 0;
     struct sample_quads quads = {0};
     if (module->uses_neighbours) {
@@ -227,7 +230,7 @@ static void shade_instance(struct shading_node *self, const struct shading_frame
     }
     for (size_t at = 0; at < count; at += BATCH_SAMPLES) {
         const size_t some = count - at < BATCH_SAMPLES ? count - at : BATCH_SAMPLES;
-        overrun |= shade_batch(self, frame, region, instance, order + at,
+        overrun |= shade_batch(self, frame, region, instance, &leader->counts, order + at,
                                quads.present ? quads.present + at : NULL, some, draft);
     }
     sample_quads_finish(&quads);
@@ -320,10 +323,12 @@ static uint32_t begin_lights(struct shading_frame *frame, struct prepared_shader
 
 /* The shared stream runs once for all instances that ask for it (PF section 6.1.5.3), as long as
  * the neediest needs it. */
-static void collect_shared(struct prepared_shader **instances, size_t instance_count,
-                           struct shading_work *work) {
+static void collect_shared(struct prepared_shader **instances, const uint32_t *leaders,
+                           size_t instance_count, struct shading_work *work) {
     uint64_t most[SIMD_OPERATION_COUNT] = {0}, one[SIMD_OPERATION_COUNT];
     for (size_t i = 0; i < instance_count; i++) {
+        if (leaders[i] != i)
+            continue;
         execution_counts_shared_operations(&instances[i]->counts, one);
         for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
             most[operation] = one[operation] > most[operation] ? one[operation] : most[operation];
@@ -337,13 +342,14 @@ static void collect_shared(struct prepared_shader **instances, size_t instance_c
 /* What the array is charged for this region: position reconstruction once, each light once, each
  * instance. */
 static void collect_work(struct shading_frame *frame, struct prepared_shader **instances,
-                         size_t instance_count, struct shading_work *work) {
+                         const uint32_t *leaders, size_t instance_count,
+                         struct shading_work *work) {
     work->instance = SHADING_WORK_SHARED;
     work->operations[SIMD_FLOAT_ADD] = 2; /* ours: X and Y from the pixel's address, */
     work->operations[SIMD_FLOAT_MULTIPLY] = frame->frame.is_perspective ? 4 : 2; /* times z */
     work->streams[SHADER_PRE_ILLUM] =
         work->operations[SIMD_FLOAT_ADD] + work->operations[SIMD_FLOAT_MULTIPLY];
-    collect_shared(instances, instance_count, work);
+    collect_shared(instances, leaders, instance_count, work);
     work++;
     for (size_t l = 0; l < frame->light_count; l++) {
         if (!frame->lights[l].is_counted)
@@ -354,6 +360,8 @@ static void collect_work(struct shading_frame *frame, struct prepared_shader **i
         work++;
     }
     for (size_t i = 0; i < instance_count; i++) {
+        if (leaders[i] != i)
+            continue;
         work->instance = instances[i]->payload.id;
         execution_counts_add_operations(&instances[i]->counts, work->operations, work->streams);
         work++;
@@ -391,15 +399,19 @@ static bool shade_region(struct shading_node *self, struct message *message,
     const bool ok = find_instances(self, frame, &region, ranges, count, instances, status);
     if (ok) {
         const uint32_t lights = begin_lights(frame, instances, count);
+        uint32_t *leaders = memory_get(count, sizeof *leaders), streams = 0;
         uint64_t map_bytes = 0;
+        instance_merge(instances, count, leaders);
+        for (size_t r = 0; r < count; r++)
+            streams += leaders[r] == r;
         for (size_t r = 0; r < count; r++)
             map_bytes += (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_bytes;
-        struct colour_draft draft =
-            colour_draft_create(&region, map_bytes, 1 + lights + (uint32_t)count);
+        struct colour_draft draft = colour_draft_create(&region, map_bytes, 1 + lights + streams);
         for (size_t r = 0; r < count; r++)
-            shade_instance(self, frame, &region, instances[r], self->order + ranges[r].first,
-                           ranges[r].count, &draft, outputs);
-        collect_work(frame, instances, count, draft.work);
+            shade_instance(self, frame, &region, instances[r], instances[leaders[r]],
+                           self->order + ranges[r].first, ranges[r].count, &draft, outputs);
+        collect_work(frame, instances, leaders, count, draft.work);
+        free(leaders);
         node_send(outputs, (struct node_address){NODE_FRAMEBUFFER, 0},
                   colour_seal(&draft, header->frame, header->region,
                               node_address_pack(self->node.address)));

@@ -41,6 +41,9 @@ static void add_frame(cJSON *frames, const struct frame_record *f,
     json_add_whole(framebuffer, "busy_ps", f->framebuffer.busy_ps);
     json_add_wholes(frame, "raster_busy_ps", f->raster_busy_ps, f->rendering_nodes);
     json_add_wholes(frame, "shading_busy_ps", f->shading_busy_ps, f->shading_nodes);
+    cJSON *streams = cJSON_AddObjectToObject(frame, "instruction_streams");
+    json_add_whole(streams, "generated", f->streams_generated);
+    json_add_whole(streams, "reused", f->streams_reused);
     json_add_whole(frame, "nan_depths", (int64_t)f->nan_depths);
     json_add_whole(frame, "nan_colours", (int64_t)f->nan_colours);
     if (f->work.is_kept)

@@ -92,6 +92,16 @@ static void print_instances(FILE *stream, const struct host_report *report) {
                 report->instance_count - SHOWN_MAX);
 }
 
+static void print_streams(FILE *stream, const struct host_report *report) {
+    uint64_t generated = 0, reused = 0;
+    for (size_t i = 0; i < report->frame_count; i++) {
+        generated += report->frames[i].streams_generated;
+        reused += report->frames[i].streams_reused;
+    }
+    fprintf(stream, "\nInstruction streams: %llu generated, %llu kept from the frame before\n",
+            (unsigned long long)generated, (unsigned long long)reused);
+}
+
 static void print_pace(FILE *stream, const struct host_report *report,
                        const struct pace_report *pace) {
     fprintf(stream,
@@ -119,6 +129,7 @@ void render_summary_print(FILE *stream, const struct render_options *options,
     print_frames(stream, report);
     print_busy(stream, &report->frames[report->frame_count - 1]);
     print_bytes(stream, &report->frames[report->frame_count - 1]);
+    print_streams(stream, report);
     print_instances(stream, report);
     for (size_t i = 0; i < report->frame_count; i++)
         if (report->frames[i].work.is_kept)

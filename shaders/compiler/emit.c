@@ -442,9 +442,24 @@ static void emit_blocks(struct emitter *e) {
     emit_text(e, "};\n\n");
 }
 
+/* Floats of the uniform block that hold loaded values; returns how many. */
+static int emit_loaded(struct emitter *e) {
+    int count = 0;
+    for (const struct ir_variable *v = e->ir->top->variables; v; v = v->next_in_home) {
+        if (v->slot < 0 || !v->is_loaded)
+            continue;
+        emit_text(e, count ? "" : "static const int shader_loaded[] = {\n");
+        for (int i = 0; i < ir_slot_floats(v); i++, count++)
+            emit_text(e, "    %d,\n", v->slot + i);
+    }
+    emit_text(e, count ? "};\n\n" : "");
+    return count;
+}
+
 static void emit_module(struct emitter *e) {
     const struct shader_program *program = e->c->program;
     bool is_light = e->ir->kind == SHADER_KIND_LIGHT;
+    const int loaded = emit_loaded(e);
     emit_text(e, "extern const struct shader_module sortlast_shader_module;\n"
                  "const struct shader_module sortlast_shader_module = {\n");
     emit_text(e, "    .abi = SHADER_MODULE_ABI,\n    .width = SHADER_WIDTH,\n");
@@ -456,6 +471,8 @@ static void emit_module(struct emitter *e) {
     emit_text(e, "    .bound_count = %d,\n", program->bound_count);
     emit_text(e, "    .uniform_count = %d,\n    .spaces = %u,\n", e->ir->uniform_count,
               e->ir->spaces);
+    if (loaded)
+        emit_text(e, "    .loaded_count = %d,\n    .loaded = shader_loaded,\n", loaded);
     emit_text(e, "    .block_count = %d,\n    .blocks = shader_blocks,\n", e->ir->block_count);
     emit_text(e, "    .uses_lights = %d,\n", e->ir->uses_ambient || e->ir->uses_illuminance);
     emit_text(e, "    .uses_neighbours = %d,\n", e->ir->uses_neighbours);

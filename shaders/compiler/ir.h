@@ -52,6 +52,7 @@ struct ir_variable {
     int demanded_bits;               /* scratch of fixed_sizes.c */
     bool is_renamed;                 /* scratch of ssa.c */
     bool is_shared;                  /* of the stream that shaders run together */
+    bool is_loaded;                  /* a bound value that is loaded into pixels by shader ID */
     struct ir_variable *declared;    /* that it is a web or an element of; NULL: its own */
     struct ir_variable **elements;   /* scratch of array_elements.c */
     bool is_indexed;                 /* likewise: by something not known here */
@@ -169,7 +170,7 @@ struct ir_program {
     } named_spaces[NAMED_SPACES_MAX];
     int named_space_count;
     bool uses_any_space;
-    int light_sets;       /* sets of results of lights, the shared one included */
+    int light_sets;        /* sets of results of lights, the shared one included */
     bool is_making_shared; /* new nodes belong to the shared stream */
     bool uses_neighbours;  /* differences between samples */
     uint32_t spaces;

@@ -300,12 +300,15 @@ static void lower_bound_parameter(struct lowering *l, struct ast_symbol *symbol,
     l->scope = scope;
     make_unit(l, symbol, &value);
     *symbol->value = value;
-    if (is_string && symbol->is_assigned)
+    if (is_string && symbol->is_assigned) {
         copy_parameter(l, symbol, STORAGE_UNIFORM);
-    else if (!is_string && parameter->is_varying && !symbol->array_length)
+    } else if (!is_string && parameter->is_varying && !symbol->array_length) {
+        for (int i = 0; i < value.count; i++)
+            value.part[i].variable->is_loaded = !value.array_length;
         copy_parameter(l, symbol, STORAGE_VARYING);
-    else if (!is_string && symbol->is_assigned)
+    } else if (!is_string && symbol->is_assigned) {
         copy_parameter(l, symbol, symbol->storage);
+    }
 }
 
 static void lower_material_parameter(struct lowering *l, struct ast_symbol *symbol,

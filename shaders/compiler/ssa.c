@@ -301,6 +301,7 @@ static struct ir_variable *variable_of(struct renaming *r, struct web *web) {
     fresh->is_declared_uniform = original->is_declared_uniform;
     fresh->is_forced_varying = original->is_forced_varying;
     fresh->is_renamed = true;
+    fresh->is_loaded = original->is_loaded;
     fresh->declared = original->declared ? original->declared : original;
     return root->variable = fresh;
 }

@@ -23,7 +23,7 @@ typedef float shader_real;
 #endif
 typedef float shader_bound;
 
-#define SHADER_MODULE_ABI 5
+#define SHADER_MODULE_ABI 6
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
 /* A varying loop that runs longer than this at any sample stops there; the call's overrun flag is
@@ -170,7 +170,12 @@ struct shader_module {
     int material_bytes; /* of a sample on the composition network, the shader ID aside */
     int bound_count;    /* floats of bound parameters, strings as one identity number each */
     int uniform_count;  /* floats of the uniform block */
-    uint32_t spaces;    /* bit i: needs matrices of enum shader_space i */
+    /* Where in the uniform block lie values of bound parameters that are varying: loaded into
+     * pixels by shader ID, they may differ between instances that run together. Floats, two for a
+     * fixed-point value. */
+    int loaded_count;
+    const int *loaded;
+    uint32_t spaces; /* bit i: needs matrices of enum shader_space i */
     int block_count;
     const struct shader_block *blocks;
     int uses_lights;

@@ -113,5 +113,46 @@ def test_a_shader_without_noise_links_none():
         assert sum(map(len, plain.values())) < sum(map(len, noisy.values()))
 
 
+def dirt(*amounts):
+    """Strips of wall, each an instance of its own with another bound value of a varying parameter."""
+    body = 'Declare "dirt" "uniform float"\n'
+    for i, amount in enumerate(amounts):
+        left, right = -1.25 + i * 2.5 / len(amounts), -1.25 + (i + 1) * 2.5 / len(amounts)
+        body += 'Surface "dirty" "dirt" [%g]\nPolygon "P" [%g -1 1 %g 1 1 %g 1 1 %g -1 1]\n' % (
+            amount, left, left, right, right)
+    return body
+
+
+DIRTY = "surface dirty(varying float dirt = 0; uniform float fine = 1) { Ci = %s * (1 - dirt); }"
+
+
+def test_instances_that_differ_in_no_uniform_value_run_together():
+    """Three instances whose bound values are loaded by shader ID cost the array what one costs."""
+    with harness.Folder() as folder:
+        folder.write("dirty.sl", DIRTY % "noise(10 * P)")
+        one = work(folder, "one.rib", dirt(0.2))
+        three = work(folder, "three.rib", dirt(0.2, 0.5, 0.9))
+        assert instructions(three) == instructions(one), (instructions(three), instructions(one))
+        assert sum(three["shading_busy_ps"]) == sum(one["shading_busy_ps"])
+        folder.write("dirty.sl", (DIRTY % "noise(10 * P)").replace("varying float dirt", "uniform float dirt"))
+        apart = work(folder, "apart.rib", dirt(0.2, 0.5, 0.9))
+        assert instructions(apart) > instructions(one)
+        assert sum(apart["shading_busy_ps"]) > sum(one["shading_busy_ps"])
+
+
+def test_streams_are_generated_once_and_again_only_when_a_value_changes():
+    """Two frames of one scene; in the second a bound value of one of two instances is another."""
+    with harness.Folder() as folder:
+        folder.write("dirty.sl", DIRTY % "1")
+        body = ""
+        for number, amount in [(1, 0.5), (2, 0.5), (3, 0.75)]:
+            head = HEAD.replace("WorldBegin\n", "")
+            body += ("FrameBegin %d\n" % number + head.replace('LightSource "distant" 1\n', "") + "WorldBegin\n"
+                     + dirt(0.25, amount) + "WorldEnd\nFrameEnd\n")
+        frames = folder.render(folder.write("frames.rib", body), "--driver", "in-process")["frames"]
+        counts = [(f["instruction_streams"]["generated"], f["instruction_streams"]["reused"]) for f in frames]
+        assert counts == [(2, 0), (0, 2), (1, 1)], counts
+
+
 if __name__ == "__main__":
     harness.main(globals())

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/stream_cache.h"
+
+#include "base/hash.h"
+
+#include <stdlib.h>
+
+/* Everything the message says but its frame: shader, values, matrices, lights. */
+static uint64_t hash_message(const struct message *message) {
+    return hash_bytes(message->bytes + WIRE_HEADER_BYTES, message->length - WIRE_HEADER_BYTES, 1);
+}
+
+struct stream_counts stream_cache_next(struct stream_cache *cache, const struct frame_plan *plan) {
+    const size_t count = plan->light_count + plan->instance_count;
+    uint64_t *hashes = memory_get(count, sizeof *hashes);
+    struct stream_counts counts = {0};
+    for (size_t i = 0; i < count; i++) {
+        const struct planned_instance *planned =
+            i < plan->light_count ? &plan->lights[i] : &plan->instances[i - plan->light_count];
+        hashes[i] = hash_message(planned->message);
+        if (i < cache->count && cache->hashes[i] == hashes[i])
+            counts.reused++;
+        else
+            counts.generated++;
+    }
+    free(cache->hashes);
+    *cache = (struct stream_cache){hashes, count};
+    return counts;
+}
+
+struct stream_counts stream_cache_repeat(const struct stream_cache *cache) {
+    return (struct stream_counts){.reused = (uint32_t)cache->count};
+}
+
+void stream_cache_finish(struct stream_cache *cache) {
+    free(cache->hashes);
+    *cache = (struct stream_cache){0};
+}
