@@ -9,8 +9,9 @@
 
 /* Generated C is a preamble that is the same for all, then functions and tables of its own, whose
  * names get a number each. */
-static const char *const own_names[] = {"shader_prepare",   "shade_vector",  "shader_shade",
-                                        "shader_light_run", "shader_blocks", SHADER_MODULE_SYMBOL};
+static const char *const own_names[] = {"shader_prepare",    "shade_vector",  "shader_shade",
+                                        "shader_light_run",  "shader_blocks", "shader_loaded",
+                                        SHADER_MODULE_SYMBOL};
 
 static size_t preamble_length(const char *text) {
     const char *first = strstr(text, "static void shader_prepare(");
