@@ -17,7 +17,7 @@
       "deal out consecutive chunks together up to so many triangles")                              \
     X(SEED, "seed", "seed", "seeds of the distribution of primitives (default: the record's)")     \
     X(SHADING_NODES, "shading-nodes", "shading_nodes", "shading nodes (default 1)")                \
-    X(STRATEGY, "strategy", "strategy", "composition strategies (default chain)")                  \
+    X(STRATEGY, "composition", "strategy", "composition strategies (default chain)")               \
     X(ASSIGNMENT, "assignment", "assignment", "regions to shading nodes: round-robin, by-cost")    \
     X(MAPS, "maps", "maps", "what travels: specific, union, and +unbound, +position with either")  \
     X(MATH, "math", "math", "functions: recorded, exact, fast")
