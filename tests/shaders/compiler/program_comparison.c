@@ -75,7 +75,8 @@ static bool subject_open(struct subject *s, const char *text, char *message, siz
     struct status status = {0};
     struct shader_compile_options options = {.material = s->program.material,
                                              .material_count = s->program.material_count,
-                                             .fast_math = s->program.fast_math};
+                                             .fast_math = s->program.fast_math,
+                                             .passes_left_out = s->program.passes_left_out};
     s->reference = reference_open(text, s->program.fast_math, message, size);
     if (!s->reference)
         return false;

@@ -17,7 +17,8 @@ enum { RANDOM_PROGRAM_MATERIALS = 12 };
 struct random_program {
     uint64_t seed;
     bool is_light, fast_math;
-    char *text; /* one statement a line; owned, random_program_finish */
+    uint32_t passes_left_out; /* of the compiler's, as its options take them */
+    char *text;               /* one statement a line; owned, random_program_finish */
     char names[RANDOM_PROGRAM_MATERIALS][8];
     const char *material[RANDOM_PROGRAM_MATERIALS + 1]; /* parameters that come with the primitives,
                                                            NULL-terminated */
