@@ -13,7 +13,7 @@ SMALL = ["--format", "320x256", "--chord", "0.5", "--compression", "none"]
 
 
 def scenes():
-    for name in ("bowling", "bricks", "solid", "coincident"):
+    for name in ("bowling", "bricks", "solid", "mandelbrot", "coincident"):
         yield name, os.path.join(SCENES, name, name + ".rib")
 
 
