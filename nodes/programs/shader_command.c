@@ -285,7 +285,7 @@ static void collect_warnings(struct shader_study *study, struct shader_report *r
 
 static bool write_report(const struct shader_options *o, struct shader_report *report,
                          struct status *status) {
-    const bool is_quiet = o->json && !strcmp(o->json, "-");
+    const bool is_quiet = (o->json && !strcmp(o->json, "-")) || (o->renders && !o->explains);
     bool ok = true;
     if (!is_quiet) {
         char *source = read_source(o->study.path);
@@ -316,8 +316,10 @@ static bool examine(const struct shader_options *o, struct shader_study *study,
         fputs(o->prints_c ? report.program->c_source : report.program->dump, stdout);
         return true;
     }
-    if (o->renders)
-        return write_picture(o, study, status);
+    if (o->renders && !write_picture(o, study, status))
+        return false;
+    if (o->renders && !o->json && !o->svg && !o->explains)
+        return true;
     if (report.program->kind != SHADER_KIND_IMAGER) {
         if (!shader_study_run(study, (uint32_t)machine->region_width,
                               (uint32_t)machine->region_height, NULL, status))

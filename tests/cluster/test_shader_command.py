@@ -116,6 +116,16 @@ def test_charts_and_explanations_come_out():
         assert xml.dom.minidom.parse(folder.file("m.svg")).getElementsByTagName("rect").length > 20
 
 
+def test_a_picture_and_a_report_come_from_one_run():
+    with harness.Folder() as folder:
+        code, out, err = folder.run("shader", library("matte"), "--render", "-o", folder.file("m.exr"), "--png",
+                                    "--format", "16x16", "--json", folder.file("m.json"))
+        assert code == 0 and not out, (code, out, err)
+        assert os.path.exists(folder.file("m.exr")) and os.path.exists(folder.file("m.png"))
+        with open(folder.file("m.json")) as file:
+            assert json.load(file)["shader"] == "matte"
+
+
 def test_mistakes_are_shown_where_they_are():
     with harness.Folder() as folder:
         broken = folder.write("broken.sl", "surface broken() {\n    Ci = nois(P);\n}\n")
