@@ -50,7 +50,8 @@
     X(FIXED16_SQRT, "fixed16_sqrt", "square root of 16-bit fixed-point")                           \
     X(FIXED32_SQRT, "fixed32_sqrt", "square root of 32-bit fixed-point")                           \
     X(FIXED16_NOISE, "fixed16_noise", "noise in 16-bit fixed-point")                               \
-    X(SPILL_BYTE, "spill_byte", "a byte of pixel memory to or from texture memory")
+    X(SPILL_BYTE, "spill_byte", "a byte of pixel memory to or from texture memory")                \
+    X(EXTERNAL_CALL, "external_call", "a function of the user, sample by sample on the processor")
 
 enum simd_operation {
 #define SIMD_OPERATION_ENUM(name, key, what) SIMD_##name,

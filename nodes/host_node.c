@@ -560,9 +560,10 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     self->reader = reader;
     self->library = shader_library_create(options->shader_folders, options->shader_folder_count,
                                           &options->precision);
-    shader_library_set_base(self->library,
-                            &(struct shader_compile_options){
-                                .pixel_memory_bytes = (int)options->machine.pixel_memory_bytes});
+    const struct shader_compile_options base = {.pixel_memory_bytes =
+                                                    (int)options->machine.pixel_memory_bytes,
+                                                .allows_external = options->allows_external};
+    shader_library_set_base(self->library, &base);
     if (options->is_recorded) {
         self->recorder =
             run_recorder_create(options->scene, &options->machine, options->seed,

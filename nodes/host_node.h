@@ -25,8 +25,9 @@ struct host_options {
     bool write_png;
     uint32_t compression; /* enum image_compression */
     struct shader_precision precision;
-    bool explain_work; /* keep a work_record of each frame */
-    bool is_recorded;  /* keep what every chunk and region cost, for host_report.record */
+    bool allows_external; /* shaders may call extern "C" functions, which the nodes link */
+    bool explain_work;    /* keep a work_record of each frame */
+    bool is_recorded;     /* keep what every chunk and region cost, for host_report.record */
 };
 
 /* What the host tells whoever shows things to people; called from within node_step. All may be

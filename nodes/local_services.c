@@ -22,6 +22,7 @@ struct local_services {
     struct trace *trace;
     struct shader_cache *cache; /* opened when first needed */
     const volatile sig_atomic_t *stop;
+    const char *link;
     pthread_t writer;
     bool has_writer;
     pthread_mutex_t lock;
@@ -38,6 +39,7 @@ static bool open_cache(struct local_services *services, struct status *status) {
     if (!shader_cache_open(&services->cache, status))
         return false;
     shader_cache_set_stop(services->cache, services->stop);
+    shader_cache_set_link(services->cache, services->link);
     trace_line(services->trace, "shaders run on vectors of %s",
                shader_cache_vectors(services->cache));
     return true;
@@ -164,6 +166,10 @@ struct local_services *local_services_create(struct trace *trace,
     pthread_mutex_init(&services->lock, NULL);
     pthread_cond_init(&services->changed, NULL);
     return services;
+}
+
+void local_services_set_link(struct local_services *services, const char *object) {
+    services->link = object;
 }
 
 void local_services_destroy(struct local_services *services) {

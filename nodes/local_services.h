@@ -13,6 +13,8 @@ struct local_services;
 /* `stop`, when not NULL, ends compilations under way once it is set by a signal. */
 struct local_services *local_services_create(struct trace *trace,
                                              const volatile sig_atomic_t *stop);
+/* See shader_cache_set_link; before the first shader. */
+void local_services_set_link(struct local_services *services, const char *object);
 /* Pictures not finished are finished first. */
 void local_services_destroy(struct local_services *services);
 /* For node constructors; valid as long as `services`. */

@@ -18,7 +18,7 @@ struct shader_library {
     int folder_count;
     struct shader_precision precision;
     struct shader_compile_options base; /* shader_library_set_base */
-    struct library_entry **entries; /* pointers: variants must not move */
+    struct library_entry **entries;     /* pointers: variants must not move */
     size_t count, capacity;
     size_t warned_entry;
     int warned;
@@ -188,6 +188,7 @@ static bool compile_sources(struct shader_library *library, const struct shader_
         .half_parameters = library->precision.half_parameters,
         .reference_math = library->precision.reference_math,
         .pixel_memory_bytes = library->base.pixel_memory_bytes,
+        .allows_external = library->base.allows_external,
         .passes_left_out = library->base.passes_left_out,
         .dump = library->base.dump,
         .read_include = read_included,

@@ -26,8 +26,8 @@ struct shader_precision {
 /* `folders`: where NAME.sl is looked for, in order; copied. */
 struct shader_library *shader_library_create(const char *const *folders, int folder_count,
                                              const struct shader_precision *precision);
-/* What all compilations from now on share besides: memory of a pixel, passes left out, dump. The rest
- * of `base` is not looked at. */
+/* What all compilations from now on share besides: memory of a pixel, passes left out, dump,
+ * whether functions from outside are allowed. The rest of `base` is not looked at. */
 void shader_library_set_base(struct shader_library *library,
                              const struct shader_compile_options *base);
 void shader_library_destroy(struct shader_library *library);

@@ -235,9 +235,11 @@ bool shader_study_create(const struct shader_study_options *options, struct shad
     study->services = local_services_create(&study->trace, NULL);
     const struct shader_precision precision = {.fast_math = options->compile.fast_math,
                                                .half_parameters = options->compile.half_parameters};
-    study->library =
-        shader_library_create(options->folders, options->folder_count, &precision);
-    shader_library_set_base(study->library, &options->compile);
+    study->library = shader_library_create(options->folders, options->folder_count, &precision);
+    struct shader_compile_options base = options->compile;
+    base.allows_external = options->link != NULL;
+    local_services_set_link(study->services, options->link);
+    shader_library_set_base(study->library, &base);
     bool ok = find_kind(study, status);
     if (ok && study->variant->program->kind != SHADER_KIND_IMAGER)
         ok = prepare(study, options, status);

@@ -19,6 +19,7 @@ struct shader_study_options {
     int material_count;
     const char *const *lights; /* names of light shaders; NULL and 0: ambient and distant */
     int light_count;
+    const char *link; /* object with extern "C" functions; NULL: none are allowed */
     struct shader_compile_options compile; /* fast_math, passes_left_out, dump, memory of a pixel */
 };
 

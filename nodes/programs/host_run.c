@@ -145,6 +145,7 @@ static int run(struct run_view *view,
     trace_init(&trace, options->driver == DRIVER_IN_PROCESS ? "cluster" : "host",
                options->verbosity > 0 ? stderr : NULL);
     struct local_services *services = local_services_create(&trace, &program_stop);
+    local_services_set_link(services, options->link);
     render_progress_begin(&view->progress, options);
     const struct host_observer observer = render_progress_observer(&view->progress);
     bool ok = host_node_create(&options->host, &observer, local_services_build_shaders, services,

@@ -26,7 +26,7 @@ enum {
         10000, /* how long nodes get to leave: finished frames are still being written */
     STOPPED_PATIENCE_MS = 500,
     POLL_MS = 5,
-    ARGUMENTS_MAX = 16,
+    ARGUMENTS_MAX = 24,
     LOCAL_NODES_MAX = 1024, /* processes that one machine may well be asked to start */
 };
 
@@ -209,6 +209,10 @@ static bool start_node(struct local_cluster *cluster, uint32_t entry, struct nod
     int count = 11;
     if (cluster->options->verbosity > 0)
         list[count++] = "--verbose";
+    if (cluster->options->link && address.role == NODE_SHADING) {
+        list[count++] = "--link";
+        list[count++] = cluster->options->link;
+    }
     if (cluster->pool_descriptor >= 0) {
         snprintf(pool, sizeof pool, "%d:%u", cluster->pool_descriptor, entry);
         list[count++] = "--shared-pool";

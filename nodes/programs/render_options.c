@@ -43,6 +43,7 @@ enum {
     OPTION_FAST_SHADERS,
     OPTION_PARAMETERS,
     OPTION_EXPLAIN_WORK,
+    OPTION_LINK,
 };
 
 static const struct option long_options[] = {
@@ -70,6 +71,7 @@ static const struct option long_options[] = {
     {"parameters", required_argument, NULL, OPTION_PARAMETERS},
     {"chord", required_argument, NULL, OPTION_CHORD},
     {"shaders", required_argument, NULL, OPTION_SHADERS},
+    {"link", required_argument, NULL, OPTION_LINK},
     {"deadline", required_argument, NULL, OPTION_DEADLINE},
     {"schedule-seed", required_argument, NULL, OPTION_SCHEDULE_SEED},
     {"composition", required_argument, NULL, OPTION_COMPOSITION},
@@ -134,6 +136,9 @@ static void print_help(bool is_host_program) {
          "scene's\n"
          "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the "
          "library\n"
+         "      --link FILE.so         let shaders call the extern \"C\" functions of this object: "
+         "code that runs\n"
+         "                             with your rights (docs/language.md, 13)\n"
          "\n"
          "Running\n"
          "      --driver D             processes (default): every node is one; in-process: all in "
@@ -374,6 +379,10 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         return parse_chord(text, &o->host.reading.chord_pixels, status);
     case OPTION_SHADERS:
         add_folder(o, text, strlen(text));
+        return true;
+    case OPTION_LINK:
+        o->link = text;
+        o->host.allows_external = true;
         return true;
     case OPTION_DEADLINE:
         ok = parse_whole(text, "--deadline", 1, 86400, &whole, status);

@@ -29,6 +29,7 @@ static void print_help(void) {
         "  --light NAME               a light it runs under (may be repeated; default: ambient and "
         "distant)\n"
         "  --shaders FOLDER           where lights and included files are looked for, too\n"
+        "  --link FILE.so             let it call the extern \"C\" functions of this object\n"
         "  --machine NAME|FILE        whose prices and memory (default pixelflow)\n"
         "  --math exact|fast          compile with the fast functions of the paper\n"
         "  --json FILE                the report for programs; - is standard output\n"
@@ -115,12 +116,14 @@ enum option_key {
     KEY_RENDER,
     KEY_PNG,
     KEY_FORMAT,
+    KEY_LINK,
 };
 
 static const struct option long_options[] = {{"material", 1, NULL, KEY_MATERIAL},
                                              {"light", 1, NULL, KEY_LIGHT},
                                              {"shaders", 1, NULL, KEY_SHADERS},
                                              {"machine", 1, NULL, KEY_MACHINE},
+                                             {"link", 1, NULL, KEY_LINK},
                                              {"math", 1, NULL, KEY_MATH},
                                              {"json", 1, NULL, KEY_JSON},
                                              {"svg", 1, NULL, KEY_SVG},
@@ -160,6 +163,9 @@ static int take_option(struct shader_options *o, int key) {
         return -1;
     case KEY_MACHINE:
         o->machine = optarg;
+        return -1;
+    case KEY_LINK:
+        study->link = optarg;
         return -1;
     case KEY_MATH:
         study->compile.fast_math = !strcmp(optarg, "fast");

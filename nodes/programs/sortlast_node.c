@@ -18,6 +18,7 @@ struct node_program_options {
     uint32_t index;
     int board, pool;
     unsigned board_entry, pool_ring;
+    const char *link; /* object with extern "C" functions of shaders, NULL: none */
     bool is_verbose;
     pid_t supervisor; /* 0: none */
 };
@@ -36,6 +37,8 @@ static void print_help(void) {
            "across machines\n"
            "                         give an address the others can reach, tcp://10.0.0.7:*)\n"
            "      --deadline S       how long to wait for the host to begin (default 60)\n"
+           "      --link FILE.so     let shaders call the extern \"C\" functions of this object (a "
+           "shading node)\n"
            "      --status-board FD:ENTRY  inherited descriptor of a supervisor's status board\n"
            "      --shared-pool FD:RING  inherited descriptor of memory shared by the nodes of a "
            "local cluster\n"
@@ -56,6 +59,7 @@ static int parse(int argc, char **argv, struct node_program_options *options) {
         {"index", required_argument, NULL, 'i'},
         {"listen", required_argument, NULL, 'l'},
         {"deadline", required_argument, NULL, 'd'},
+        {"link", required_argument, NULL, 'L'},
         {"status-board", required_argument, NULL, 'b'},
         {"supervisor", required_argument, NULL, 'S'},
         {"shared-pool", required_argument, NULL, 'p'},
@@ -83,6 +87,9 @@ static int parse(int argc, char **argv, struct node_program_options *options) {
         case 'd':
             options->sockets.deadline_s = atoi(optarg);
             ok = ok && options->sockets.deadline_s > 0;
+            break;
+        case 'L':
+            options->link = optarg;
             break;
         case 'b':
             ok = ok && sscanf(optarg, "%d:%u", &options->board, &options->board_entry) == 2;
@@ -149,6 +156,7 @@ int main(int argc, char **argv) {
     if (options.pool >= 0)
         options.sockets.pool = shared_pool_open(options.pool, options.pool_ring);
     struct local_services *services = local_services_create(&trace, &program_stop);
+    local_services_set_link(services, options.link);
     struct visibility_device *device = NULL;
     bool ok = create(&options, services, &device, &trace, &node, &status) &&
               driver_sockets_run(node, &options.sockets, &status);

@@ -142,6 +142,9 @@ enum ast_statement_kind {
     STATEMENT_SOLAR, /* arguments, body */
 };
 
+/* What an extern "C" function takes at most. */
+enum { EXTERNAL_PARAMETERS_MAX = 8 };
+
 /* Leaves a function, not only loops. */
 enum { EXIT_FUNCTION = 1 << 20 };
 
@@ -172,10 +175,12 @@ struct ast_function {
     struct ast_statement *body; /* list */
     bool is_shader, is_prelude;
     bool is_prototype;  /* announced only; in no list */
+    bool is_external;   /* extern "C": no body, comes with the object of the command line */
     bool returns_early; /* has a return other than as its last statement */
     bool has_outputs;   /* writes to output parameters or to variables outside of it */
     bool is_checked;
     bool is_being_lowered;
+    int external_number; /* in the generated C, from 1; 0: not called */
     struct ast_function *next;
 };
 

@@ -312,7 +312,27 @@ static bool has_return(const struct ast_statement *body) {
     return false;
 }
 
+/* A function from outside takes and gives floats, one at a time. */
+static void check_external(struct checker *k, struct ast_function *function) {
+    if (function->type != TYPE_FLOAT)
+        compile_error(k->c, &function->at, "%.64s() is extern \"C\": its result is a float",
+                      function->name);
+    if (function->formal_count > EXTERNAL_PARAMETERS_MAX)
+        compile_error(k->c, &function->at, "%.64s() is extern \"C\": it takes at most %d floats",
+                      function->name, EXTERNAL_PARAMETERS_MAX);
+    for (const struct ast_symbol *s = function->formals; s; s = s->next)
+        if (s->type != TYPE_FLOAT || s->array_length || s->is_output || s->initial)
+            compile_error(k->c, &s->at,
+                          "'%.64s' of %.64s(), which is extern \"C\", must be a plain float",
+                          s->name, function->name);
+    function->is_checked = true;
+}
+
 void check_function(struct checker *k, struct ast_function *function) {
+    if (function->is_external) {
+        check_external(k, function);
+        return;
+    }
     struct ast_function *outer = k->function;
     int outer_loops = k->loop_level, outer_illuminance = k->illuminance_level;
     k->function = function;

@@ -104,9 +104,9 @@ static bool same_results(const struct ir_node *known, const struct ir_node *node
 
 static bool is_same(const struct ir_node *known, const struct ir_node *node) {
     if (known->operation != node->operation || known->index != node->index ||
-        known->parameter != node->parameter || known->is_fast != node->is_fast ||
-        known->is_free != node->is_free || known->is_shared != node->is_shared ||
-        !same_results(known, node))
+        known->parameter != node->parameter || known->external != node->external ||
+        known->is_fast != node->is_fast || known->is_free != node->is_free ||
+        known->is_shared != node->is_shared || !same_results(known, node))
         return false;
     const bool asks_neighbours =
         node->operation == IR_DIFFERENCE_X || node->operation == IR_DIFFERENCE_Y;
@@ -145,6 +145,7 @@ static void become_moves(struct known_values *k, struct ir_node *node,
         move->results[0] = results[i];
         results[i]->definition = move;
         move->parameter = NULL;
+        move->external = NULL;
         move->index = 0;
         move->is_free = move->is_fast = false;
         at = move;

@@ -89,6 +89,8 @@ static void put_instruction(struct dump *d, const struct ir_node *node, int inde
         put(d, i ? ", " : " ");
         put_operand(d, &node->operands[i]);
     }
+    if (node->external)
+        put(d, " %.64s()", node->external->name);
     if (node->parameter)
         put(d, " %.64s[%d]", node->parameter->name, node->index);
     if (node->at && node->at->line)

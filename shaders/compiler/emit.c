@@ -366,7 +366,7 @@ static void emit_light(struct emitter *e) {
     emit_text(e, "}\n\n");
 }
 
-static void emit_quoted(struct emitter *e, const char *text) {
+void emit_quoted(struct emitter *e, const char *text) {
     emit_text(e, "\"");
     for (; *text; text++)
         emit_text(e, *text >= ' ' && *text < 127 && !strchr("\\\"?", *text) ? "%c" : "\\%03o",
@@ -406,6 +406,8 @@ static void emit_tables(struct emitter *e) {
         }
         emit_text(e, "};\n\n");
     }
+    if (e->external_count)
+        emit_external_table(e);
     if (ir->query_count)
         emit_messages(e, "shader_queries", ir->queries, ir->query_count);
     if (ir->export_count)
@@ -425,6 +427,9 @@ static void emit_table_fields(struct emitter *e) {
         emit_text(e, "    .query_count = %d,\n    .queries = shader_queries,\n", ir->query_count);
     if (ir->export_count)
         emit_text(e, "    .export_count = %d,\n    .exports = shader_exports,\n", ir->export_count);
+    if (e->external_count)
+        emit_text(e, "    .external_count = %d,\n    .externals = shader_externals,\n",
+                  e->external_count);
     emit_text(e, "    .light_sets = %d,\n", ir->light_sets);
 }
 
@@ -504,6 +509,7 @@ void pass_emit(struct ir_program *ir) {
         emit_support(e, neighbours, sizeof neighbours / sizeof *neighbours);
     if (uses_fixed(ir))
         emit_support(e, fixed_support, sizeof fixed_support / sizeof *fixed_support);
+    emit_externals(e);
     emit_prepare(e);
     e->mask = e->loop_mask = -1;
     if (ir->kind == SHADER_KIND_LIGHT)

@@ -17,12 +17,15 @@ struct emitter {
     int key;       /* number of the key of the control path */
     int in_varying_loop;
     int next_number;
+    int external_count;
     int indent;
 };
 
 void emit_text(struct emitter *e, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* A line of its own, indented. */
 void emit_line(struct emitter *e, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* A string as C writes it. */
+void emit_quoted(struct emitter *e, const char *text);
 /* An operand as a scalar, or as a vector when `as_vector`. */
 void emit_operand(struct emitter *e, const struct ir_operand *operand, bool as_vector);
 void emit_instruction(struct emitter *e, struct ir_node *node);
@@ -32,6 +35,11 @@ void emit_fixed(struct emitter *e, const struct ir_node *node, bool is_vector);
 void emit_fixed_constant(struct emitter *e, int64_t raw);
 /* The declarations of a list, then its nodes (of the top level: those of this function). */
 void emit_list(struct emitter *e, struct ir_list *list);
+/* Functions from outside, emit_external.c: numbers and declares those that are called; a call as an
+ * expression; the table of their names. */
+void emit_externals(struct emitter *e);
+void emit_external_call(struct emitter *e, const struct ir_node *node, bool is_vector);
+void emit_external_table(struct emitter *e);
 /* LIGHTS_AT, emit.c */
 void emit_lights_at(struct emitter *e, struct ir_node *node);
 void emit_declaration(struct emitter *e, struct ir_variable *variable);

@@ -263,6 +263,8 @@ void emit_instruction(struct emitter *e, struct ir_node *node) {
         emit_text(e, "%s", broadcast_text(v->type));
     if (ir_operation_is_fixed(node->operation))
         emit_fixed(e, node, is_vector);
+    else if (node->external)
+        emit_external_call(e, node, is_vector);
     else
         emit_pattern(e, node, is_vector ? info->vector : info->scalar, is_vector);
     if (broadcasts)

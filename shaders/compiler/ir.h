@@ -106,10 +106,11 @@ struct ir_node {
     struct ir_operand operands[IR_OPERANDS_MAX];
     int index;
     struct shader_parameter *parameter;
-    int order;      /* in the text, scratch of propagate_copies.c */
-    bool is_free;   /* loads what is in pixel memory already */
-    bool is_shared; /* of the stream that shaders run together */
-    bool is_fast;   /* takes the fast version of a mathematical function */
+    struct ast_function *external; /* that EXTERNAL0 ... call */
+    int order;                     /* in the text, scratch of propagate_copies.c */
+    bool is_free;                  /* loads what is in pixel memory already */
+    bool is_shared;                /* of the stream that shaders run together */
+    bool is_fast;                  /* takes the fast version of a mathematical function */
     /* if (condition) body else otherwise
      * loop: test; leave unless condition; body
      * illuminance: body once per light, for the samples it lights; the condition is of LIGHTS_AT,
@@ -238,6 +239,10 @@ static inline bool ir_is_move(const struct ir_node *node) {
     return node->kind == NODE_INSTRUCTION &&
            (node->operation == IR_MOVE || node->operation == IR_MOVE_BOOL ||
             node->operation == IR_MOVE_FIXED);
+}
+/* Whether an operation calls a function from outside: node->external. */
+static inline bool ir_operation_is_external(enum ir_operation operation) {
+    return operation >= IR_EXTERNAL0 && operation <= IR_EXTERNAL8;
 }
 /* How many operands the operation takes. */
 static inline int ir_operand_count(enum ir_operation operation) {

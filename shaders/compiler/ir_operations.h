@@ -102,6 +102,16 @@
     X(FIXED_NOT_EQUAL, "bxx", FREE, NULL, NULL)                                                    \
     X(ARRAY_LOAD, "*f", FLOAT_MOVE, NULL, NULL)   /* result = array[operand 0] */                  \
     X(ARRAY_STORE, "0f*", FLOAT_MOVE, NULL, NULL) /* array[operand 0] = operand 1 */               \
+    /* A call of node->external with 0 to 8 operands, emit_external.c. */                          \
+    X(EXTERNAL0, "f", EXTERNAL_CALL, NULL, NULL)                                                   \
+    X(EXTERNAL1, "ff", EXTERNAL_CALL, NULL, NULL)                                                  \
+    X(EXTERNAL2, "fff", EXTERNAL_CALL, NULL, NULL)                                                 \
+    X(EXTERNAL3, "ffff", EXTERNAL_CALL, NULL, NULL)                                                \
+    X(EXTERNAL4, "fffff", EXTERNAL_CALL, NULL, NULL)                                               \
+    X(EXTERNAL5, "ffffff", EXTERNAL_CALL, NULL, NULL)                                              \
+    X(EXTERNAL6, "fffffff", EXTERNAL_CALL, NULL, NULL)                                             \
+    X(EXTERNAL7, "ffffffff", EXTERNAL_CALL, NULL, NULL)                                            \
+    X(EXTERNAL8, "fffffffff", EXTERNAL_CALL, NULL, NULL)                                           \
     X(TEXT_JOIN, "sss", FREE, "texts->join(texts, $0, $1)", NULL)                                  \
     X(TEXT_NUMBER, "ssfs", FREE, "texts->append_number(texts, $0, $1, $2)", NULL)                  \
     X(TEXT_MATCH, "fss", FREE, "texts->match(texts, $0, $1)", NULL)                                \

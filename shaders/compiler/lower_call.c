@@ -72,12 +72,28 @@ static struct ir_value lower_body(struct lowering *l, struct ast_function *funct
     return call.result;
 }
 
+/* A function without a body: an instruction that calls it. */
+static struct ir_value lower_external_call(struct lowering *l, struct ast_expression *e) {
+    struct ir_operand operands[IR_OPERANDS_MAX] = {{0}};
+    int count = 0;
+    for (struct ast_expression *a = e->arguments; a; a = a->next)
+        operands[count++] = lower_operand(l, a, a->next).part[0];
+    struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, &e->at));
+    node->operation = (enum ir_operation)(IR_EXTERNAL0 + count);
+    node->external = e->function;
+    node->results[0] = lower_temporary(l, IR_FLOAT);
+    memcpy(node->operands, operands, sizeof operands);
+    return (struct ir_value){.count = 1, .part = {ir_of(node->results[0])}};
+}
+
 struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
     struct ast_function *function = e->function;
     struct ir_value arguments[64];
     struct ast_symbol *formal = function->formals;
     struct ir_list *scope = l->scope;
     int count = 0, i = 0;
+    if (function->is_external)
+        return lower_external_call(l, e);
     if (function->is_being_lowered)
         complain_cycle(l, &e->at, function);
     if (function->formal_count > 64)

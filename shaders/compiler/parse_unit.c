@@ -51,11 +51,45 @@ static void add_shader(struct parser *p, struct ast_unit *unit, struct ast_funct
                         unit->shader->name);
 }
 
-/* [type] name formals body, or a stray ';' */
+/* 'extern' "C" [type] name formals ';': a function of the object that the command line names */
+static struct ast_function *parse_external(struct parser *p) {
+    const struct source_location at = p->token.at;
+    struct declaration d = {TYPE_FLOAT, STORAGE_UNSAID, false, false};
+    if (strcmp(p->ahead.text, "C"))
+        parser_complain(p, &p->ahead.at, "functions from outside are extern \"C\"");
+    parser_advance(p);
+    parser_advance(p);
+    if (p->token.kind != TOKEN_IDENTIFIER || p->ahead.kind != '(')
+        parse_declaration_type(p, &d);
+    if (p->is_panicking || p->ahead.kind != '(') {
+        parser_complain(p, &p->token.at, "expected a function after extern \"C\"");
+        return NULL;
+    }
+    struct ast_function *function = parse_function(p, d.type, false);
+    function->is_external = true;
+    if (!function->is_prototype && !p->is_panicking)
+        parser_complain(p, &function->at,
+                        "a function that is extern \"C\" has no body: it comes from an object");
+    if (!p->c->options || !p->c->options->allows_external)
+        parser_complain(p, &at,
+                        "this shader calls functions of an object of yours, which the command line "
+                        "must allow: --link FILE.so");
+    return function;
+}
+
+/* [type] name formals body, extern "C" and a function, or a stray ';' */
 static void parse_unit_function(struct parser *p, struct ast_function ***link, bool is_prelude) {
     struct declaration d = {TYPE_FLOAT, STORAGE_UNSAID, false, false};
     if (parser_accept(p, ';'))
         return;
+    if (p->token.kind == TOKEN_EXTERN && p->ahead.kind == TOKEN_STRING) {
+        struct ast_function *external = parse_external(p);
+        if (external) {
+            **link = external;
+            *link = &external->next;
+        }
+        return;
+    }
     if (p->token.kind != TOKEN_IDENTIFIER || p->ahead.kind != '(')
         parse_declaration_type(p, &d); /* RSL: else the result is a float */
     if (p->is_panicking || p->ahead.kind != '(') {
@@ -70,7 +104,7 @@ static void parse_unit_function(struct parser *p, struct ast_function ***link, b
     *link = &function->next;
 }
 
-/* {[type] name formals body} (kind name formals body) {functions} */
+/* {function} (kind name formals body) {functions} */
 struct ast_unit *parse_unit(struct compilation *c, const char *file, const char *text,
                             size_t length, bool is_prelude) {
     struct parser parser = {.c = c, .file = file}, *p = &parser;

@@ -94,8 +94,9 @@ struct shader_compile_options {
     int pixel_memory_bytes;   /* of the machine; 0: 256 */
     uint32_t passes_left_out; /* bit i: shader_pass_name(i) does not run, if it is optional */
     const char *dump;         /* the name of a pass whose IR is wanted in shader_program.dump */
+    bool allows_external;     /* extern "C" functions: the user said so */
     bool half_parameters; /* material parameters take at most 2 bytes a component on the network */
-    bool reference_math; /* C that computes in double precision (shaders/simd/vector_double.h) */
+    bool reference_math;  /* C that computes in double precision (shaders/simd/vector_double.h) */
     /* The text of a file named by #include, or NULL when there is none; a name in an included file
      * is first asked for next to that file. The bytes stay the callee's and must not change until
      * the compilation ends. NULL: #include is an error. */

@@ -65,6 +65,8 @@ static void check_instruction(struct validation *v, struct ir_node *node) {
         check_operand(v, node, &node->operands[i], info->types[i + 1]);
     if (is_array && (!node->array || !node->array->array_length || !is_visible(node->array, node)))
         broken(v, node, "there is no array");
+    if (ir_operation_is_external(node->operation) != (node->external != NULL))
+        broken(v, node, "an external function is missing or too many");
     if (node->operation == IR_ARRAY_STORE)
         check_result(v, node, node->array);
     for (int i = 0; i < 3; i++) {

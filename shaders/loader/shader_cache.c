@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -52,6 +53,8 @@ struct shader_cache {
     const struct vector_width *width;
     uint64_t salt; /* hash of runtime, compiler and flags */
     const volatile sig_atomic_t *stop;
+    const char *link; /* file with extern "C" functions, NULL: none */
+    void *linked;     /* the same, loaded; NULL: not yet */
     struct loaded_module *modules;
     size_t module_count, module_capacity;
 };
@@ -187,6 +190,10 @@ void shader_cache_set_stop(struct shader_cache *cache, const volatile sig_atomic
     cache->stop = stop;
 }
 
+void shader_cache_set_link(struct shader_cache *cache, const char *object) {
+    cache->link = object;
+}
+
 void shader_cache_close(struct shader_cache *cache) {
     if (!cache)
         return;
@@ -206,7 +213,8 @@ struct job {
     pid_t pid;
 };
 
-static uint64_t source_key(const struct shader_cache *cache, const struct shader_cache_source *source) {
+static uint64_t source_key(const struct shader_cache *cache,
+                           const struct shader_cache_source *source) {
     return hash_string(source->text, cache->salt);
 }
 
@@ -353,6 +361,39 @@ bool shader_cache_build(struct shader_cache *cache, const struct shader_cache_so
     return ok;
 }
 
+static bool open_link(struct shader_cache *cache, const char *shader, struct status *status) {
+    char path[PATH_MAX];
+    if (cache->linked)
+        return true;
+    if (!cache->link)
+        return status_fail(status, STATUS_INVALID,
+                           "shader %s calls functions of an object of yours (extern \"C\"), which "
+                           "the command line of this node must allow: --link FILE.so",
+                           shader);
+    if (!realpath(cache->link, path)) /* also so that it is not looked for among libraries */
+        return status_fail(status, STATUS_NOT_FOUND, "cannot link %s: %s", cache->link,
+                           strerror(errno));
+    cache->linked = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    return cache->linked ||
+           status_fail(status, STATUS_INVALID, "cannot link %s: %s", cache->link, dlerror());
+}
+
+/* Fills in the addresses of functions from outside. */
+static bool link_module(struct shader_cache *cache, const char *shader,
+                        const struct shader_module *module, struct status *status) {
+    for (int i = 0; i < module->external_count; i++) {
+        const struct shader_external *external = &module->externals[i];
+        if (!open_link(cache, shader, status))
+            return false;
+        *external->address = dlsym(cache->linked, external->name);
+        if (!*external->address)
+            return status_fail(status, STATUS_NOT_FOUND,
+                               "shader %s calls extern \"C\" %s(), which %s does not have", shader,
+                               external->name, cache->link);
+    }
+    return true;
+}
+
 bool shader_cache_load(struct shader_cache *cache, struct shader_cache_source source,
                        const struct shader_module **module, struct status *status) {
     const uint64_t key = source_key(cache, &source);
@@ -377,6 +418,8 @@ bool shader_cache_load(struct shader_cache *cache, struct shader_cache_source so
         return status_fail(status, STATUS_IO, "cannot load shader %s: %s", source.name, dlerror());
     if (found->abi != SHADER_MODULE_ABI || found->width != (uint32_t)cache->width->lanes)
         return status_fail(status, STATUS_INTERNAL, "shader object %s is of another build", path);
+    if (!link_module(cache, source.name, found, status))
+        return false;
     cache->modules = memory_grow(cache->modules, &cache->module_capacity, cache->module_count + 1,
                                  sizeof *cache->modules);
     cache->modules[cache->module_count++] = (struct loaded_module){key, found};

@@ -19,6 +19,9 @@ struct shader_cache;
  * The C compiler is $SORTLAST_CC, else cc; vectors are as wide as this processor has them unless
  * $SORTLAST_VECTOR_WIDTH (4, 8 or 16 lanes) says otherwise. */
 bool shader_cache_open(struct shader_cache **cache, struct status *status);
+/* The shared object of the user's that has the extern "C" functions of shaders: its name, which
+ * must stay. NULL, as at first: modules that call any are not loaded. */
+void shader_cache_set_link(struct shader_cache *cache, const char *object);
 /* When *stop becomes non-zero, compilations under way are ended and fail. NULL: never. */
 void shader_cache_set_stop(struct shader_cache *cache, const volatile sig_atomic_t *stop);
 /* Unloads nothing: modules stay valid until the program ends. */
@@ -37,7 +40,8 @@ struct shader_cache_source {
 bool shader_cache_build(struct shader_cache *cache, const struct shader_cache_source *sources,
                         size_t count, size_t *compiled, struct status *status);
 
-/* The module of a source, compiled if need be; loaded once. */
+/* The module of a source, compiled if need be; loaded once. Fails, naming function and object, when
+ * the module calls an extern "C" function that the linked object lacks. */
 bool shader_cache_load(struct shader_cache *cache, struct shader_cache_source source,
                        const struct shader_module **module, struct status *status);
 

@@ -23,7 +23,7 @@ typedef float shader_real;
 #endif
 typedef float shader_bound;
 
-#define SHADER_MODULE_ABI 6
+#define SHADER_MODULE_ABI 7
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
 /* A varying loop that runs longer than this at any sample stops there; the call's overrun flag is
@@ -83,6 +83,13 @@ struct shader_texts {
 struct shader_message {
     const char *name;
     int components;
+};
+
+/* A function of the user's object (extern "C") that the module calls: the loader stores its address
+ * before anything of the module runs. It takes and gives plain floats. */
+struct shader_external {
+    const char *name;
+    void **address;
 };
 
 struct shader_call;
@@ -188,6 +195,8 @@ struct shader_module {
     const char *const *categories;
     int query_count, export_count;
     const struct shader_message *queries, *exports;
+    int external_count;
+    const struct shader_external *externals;
     /* Uniform code, run once per instance and whenever a bound value changes: evaluates defaults of
      * parameters not given, then all that depends on uniform values alone. given[i] tells whether
      * bound[i] is set; bound[i] of a string holds its identity number as int32_t bits. */

@@ -15,7 +15,8 @@
 
 struct shader_program *harness_compile(const char *source, const char *const *material,
                                        struct status *status) {
-    struct shader_compile_options options = {.material = material, .exports = material};
+    struct shader_compile_options options = {
+        .material = material, .exports = material, .allows_external = true};
     struct shader_program *program = NULL;
     int count = 0;
     while (material && material[count])
