@@ -109,6 +109,7 @@ void rib_reader_destroy(struct rib_reader *reader) {
         free(reader->warnings[i]);
     free(reader->warnings);
     free(reader->warning_shown);
+    free(reader->spaces);
     name_table_finish(&reader->requests);
     name_table_finish(&reader->declarations);
     name_table_finish(&reader->warned);
