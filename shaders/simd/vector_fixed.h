@@ -114,9 +114,10 @@ SIMD_FUNCTION int64_t sx_remainder(int64_t a, int a_unsigned, int a_places, int6
     return (int64_t)(rest && (rest < 0) != (d < 0) ? rest + d : rest);
 }
 
-/* floor(sqrt(x * 2^places)); 0 for negative x. The root fits 64 bits. */
+/* floor(sqrt(x * 2^places)); 0 for negative x. The root fits 64 bits: where `places` would move
+ * bits out of 128, x is 0 or negative. */
 SIMD_FUNCTION int64_t sx_sqrt(int64_t x, int is_unsigned, int places) {
-    if (!is_unsigned && x < 0)
+    if (!x || (!is_unsigned && x < 0))
         return 0;
     const unsigned __int128 n = (unsigned __int128)(uint64_t)x << places;
     uint64_t root = 0;
@@ -227,7 +228,8 @@ SIMD_INLINE int64_t sx_from_float(float x, int exponent, int size, int is_unsign
 }
 
 /* The nearest float (ties to even). What takes more than 53 bits is rounded to odd first, which
- * leaves the last rounding to the conversion alone; what takes less is exact in double precision. */
+ * leaves the last rounding to the conversion alone; what takes less is exact in double precision.
+ */
 SIMD_INLINE vf vx_to_float(vx x, int exponent, int size, int is_unsigned) {
     if (size <= 53)
         return __builtin_convertvector(
