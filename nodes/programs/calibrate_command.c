@@ -165,15 +165,30 @@ static bool measure_operations(struct calibration *c, struct calibrate_run *plai
     return true;
 }
 
+/* Three digits. Two such rates always have a tick in common: the ticks of a second are 10^12 by
+ * less than 1000 by less than 1000, and 10^18 are allowed. */
+static double round_rate(double bytes_per_s) {
+    double unit = 1;
+    while (bytes_per_s / unit >= 999.5)
+        unit *= 10;
+    return round(bytes_per_s / unit) * unit;
+}
+
 /* Rays, composition, sockets. */
 static bool measure_rest(struct calibration *c, const struct calibrate_run *plain,
                          struct status *status) {
-    enum { SIDE = 60, FLOATS = 12 };
+    enum { SIDE = 60, SIDE_MAX = 240, FLOATS = 12 };
     struct calibrate_run fine;
     double latency_s, bytes_per_s;
     const double samples = (double)machine_region_samples(&c->machine);
-    if (!measure(c, "plain", SIDE, -1, &fine, status) ||
-        !calibrate_sockets(c->folder, &latency_s, &bytes_per_s, status))
+    /* more triangles until their time stands out from that of the rays */
+    int side = SIDE;
+    do {
+        if (!measure(c, "plain", side, -1, &fine, status))
+            return false;
+        side *= 2;
+    } while (side <= SIDE_MAX && fine.rendering_region_s < 1.25 * plain->rendering_region_s);
+    if (!calibrate_sockets(c->folder, &latency_s, &bytes_per_s, status))
         return false;
     const double triangle_s = (fine.rendering_region_s - plain->rendering_region_s) /
                               (fine.raster_count - plain->raster_count);
@@ -185,15 +200,13 @@ static bool measure_rest(struct calibration *c, const struct calibrate_run *plai
     set(c, MACHINE_INDEX_raster_region_ps,
         1e12 * (plain->rendering_region_s - plain->raster_count * triangle_s),
         "measured: rays and interpolation of a full region");
-    /* a word takes a whole number of picoseconds, so that a tick is found */
-    const double word_ps = 1e12 * word_s > 1 ? floor(1e12 * word_s) : 1;
-    int64_t rate = (int64_t)(1e12 * (double)c->machine.composition_word_bytes / word_ps);
-    rate -= rate % 1000000;
-    set(c, MACHINE_INDEX_composition_bytes_per_s, (double)rate,
+    const double rate =
+        round_rate((double)c->machine.composition_word_bytes / (word_s > 0 ? word_s : 1e-12));
+    set(c, MACHINE_INDEX_composition_bytes_per_s, rate,
         "measured: composing two full regions and copying the result, one core");
     set(c, MACHINE_INDEX_composition_hop_latency_ps, 1e12 * latency_s,
         "measured: one way of a small message between threads, ipc");
-    set(c, MACHINE_INDEX_geometry_bytes_per_s, floor(bytes_per_s / 1e6) * 1e6,
+    set(c, MACHINE_INDEX_geometry_bytes_per_s, round_rate(bytes_per_s),
         "measured: 64 KiB messages between threads, ipc");
     set(c, MACHINE_INDEX_colour_words, ceil(plain->framebuffer_region_s / (samples * word_s)),
         "measured: a region into the picture, in words of the composition network");
@@ -202,7 +215,7 @@ static bool measure_rest(struct calibration *c, const struct calibrate_run *plai
         printf(
             "  rays %.1f us a region and %.3f us a triangle; composition %.2f GB/s; sockets %.1f "
             "us, %.2f GB/s;\n  framebuffer %.1f us a region; an empty shader %.1f us a region\n",
-            1e6 * plain->rendering_region_s, 1e6 * triangle_s, 1e-9 * (double)rate, 1e6 * latency_s,
+            1e6 * plain->rendering_region_s, 1e6 * triangle_s, 1e-9 * rate, 1e6 * latency_s,
             1e-9 * bytes_per_s, 1e6 * plain->framebuffer_region_s, 1e6 * plain->shading_region_s);
     return true;
 }
