@@ -5,8 +5,8 @@
 
 struct arguments {
     int count;
-    struct ir_value value[BUILTIN_ARGUMENTS_MAX];
-    struct ast_expression *expression[BUILTIN_ARGUMENTS_MAX];
+    struct ir_value *value; /* not on the stack, which calls inside each other share */
+    struct ast_expression **expression;
 };
 
 static struct ir_value scalar(struct ir_operand operand) {
@@ -257,12 +257,15 @@ struct ir_value lower_builtin(struct lowering *l, struct ast_expression *e) {
     }
     if (lower_special(l, e, &difference))
         return difference;
+    a.value = compilation_get(l->c, (size_t)(e->argument_count + 1) * sizeof *a.value);
+    a.expression = compilation_get(l->c, (size_t)(e->argument_count + 1) * sizeof *a.expression);
     for (struct ast_expression *x = e->arguments; x; x = x->next) {
         a.expression[a.count] = x;
         a.value[a.count++] = lower_operand(l, x, x->next);
     }
     if (ast_type_is_fixed(e->type)) {
-        struct ir_operand operands[BUILTIN_ARGUMENTS_MAX];
+        struct ir_operand *operands =
+            compilation_get(l->c, (size_t)(a.count + 1) * sizeof *operands);
         for (int i = 0; i < a.count; i++)
             operands[i] = a.value[i].part[0];
         return scalar(lower_fixed_call(l, e, operands, a.count));

@@ -88,7 +88,6 @@ static struct ir_value lower_external_call(struct lowering *l, struct ast_expres
 
 struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
     struct ast_function *function = e->function;
-    struct ir_value arguments[64];
     struct ast_symbol *formal = function->formals;
     struct ir_list *scope = l->scope;
     int count = 0, i = 0;
@@ -105,8 +104,11 @@ struct ir_value lower_user_call(struct lowering *l, struct ast_expression *e) {
                       INSTRUCTION_COUNT_MAX);
     const struct source_location *site = l->site;
     bool in_default = l->in_default;
-    struct lower_target targets[64];
-    for (struct ast_expression *a = e->arguments; a && count < 64; a = a->next) {
+    /* not on the stack, which calls inside each other share */
+    const size_t places = (size_t)e->argument_count + 1;
+    struct ir_value *arguments = compilation_get(l->c, places * sizeof *arguments);
+    struct lower_target *targets = compilation_get(l->c, places * sizeof *targets);
+    for (struct ast_expression *a = e->arguments; a; a = a->next) {
         bool is_target = a->kind == EXPRESSION_INDEX && !a->array_length;
         if (is_target)
             targets[count] = lower_target_open(l, a);
