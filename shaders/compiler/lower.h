@@ -29,6 +29,10 @@ struct lower_call {
     struct lower_call *caller;
 };
 
+/* Expressions recurse, a level for each operator. What one kind of expression needs stays out of
+ * the frame that all kinds share: the stack of a level is then that of its own kind. */
+#define LOWER_FRAME_OF_ITS_OWN __attribute__((noinline))
+
 struct lowering {
     struct compilation *c;
     struct ir_program *ir;

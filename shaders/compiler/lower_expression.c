@@ -23,8 +23,9 @@ static struct ir_value into_current(struct lowering *l, const struct source_loca
 }
 
 /* (a[0], a[1], a[2]), as floats */
-static struct ir_value lower_triple_of_array(struct lowering *l, const struct ast_expression *e,
-                                             const struct ir_value *array) {
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_triple_of_array(struct lowering *l,
+                                                                    const struct ast_expression *e,
+                                                                    const struct ir_value *array) {
     struct ir_value value = {.count = 3};
     for (int i = 0; i < 3; i++) {
         value.part[i] =
@@ -35,7 +36,8 @@ static struct ir_value lower_triple_of_array(struct lowering *l, const struct as
     return value;
 }
 
-static struct ir_value lower_convert(struct lowering *l, struct ast_expression *e) {
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_convert(struct lowering *l,
+                                                            struct ast_expression *e) {
     struct ir_value value = lower_expression(l, e->left);
     enum ast_type from = e->left->type;
     if (e->left->array_length)
@@ -62,7 +64,8 @@ static struct ir_value lower_convert(struct lowering *l, struct ast_expression *
     return value;
 }
 
-static struct ir_value lower_tuple(struct lowering *l, struct ast_expression *e) {
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_tuple(struct lowering *l,
+                                                          struct ast_expression *e) {
     struct ir_value value = {.count = 3};
     int i = 0;
     if (e->type == TYPE_MATRIX)
@@ -74,7 +77,8 @@ static struct ir_value lower_tuple(struct lowering *l, struct ast_expression *e)
     return value;
 }
 
-static struct ir_value lower_cast(struct lowering *l, struct ast_expression *e) {
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_cast(struct lowering *l,
+                                                         struct ast_expression *e) {
     bool in_default = l->in_default;
     bool takes_space = is_spaceless_geometry(e->left, e->type);
     l->in_default =
@@ -111,7 +115,8 @@ static struct ir_value lower_cast(struct lowering *l, struct ast_expression *e) 
     return value;
 }
 
-static struct ir_value lower_unary_expression(struct lowering *l, struct ast_expression *e) {
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_unary_expression(struct lowering *l,
+                                                                     struct ast_expression *e) {
     struct ir_value value = lower_expression(l, e->left);
     for (int i = 0; i < value.count; i++) {
         if (value.part[i].kind == OPERAND_FLOAT)
@@ -159,8 +164,11 @@ static enum ir_operation arithmetic(int token) {
     }
 }
 
-static struct ir_value lower_binary_expression(struct lowering *l, struct ast_expression *e) {
-    struct ir_value a = lower_operand(l, e->left, e->right), b = lower_expression(l, e->right);
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_operator(struct lowering *l,
+                                                             struct ast_expression *e,
+                                                             const struct ir_value *left,
+                                                             const struct ir_value *right) {
+    const struct ir_value a = *left, b = *right;
     if (e->type == TYPE_MATRIX)
         return lower_matrix_binary(l, &e->at, e->token == '/', &a, &b);
     const bool is_fixed = ast_type_is_fixed(e->left->type);
@@ -194,6 +202,13 @@ static struct ir_value lower_binary_expression(struct lowering *l, struct ast_ex
     return lower_each(l, &e->at, arithmetic(e->token), &a, &b);
 }
 
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_binary_expression(struct lowering *l,
+                                                                      struct ast_expression *e) {
+    const struct ir_value a = lower_operand(l, e->left, e->right),
+                          b = lower_expression(l, e->right);
+    return lower_operator(l, e, &a, &b);
+}
+
 /* Whether evaluating costs little and changes nothing, so that both sides of ?: may run. */
 static bool is_simple(const struct ast_expression *e) {
     switch (e->kind) {
@@ -217,7 +232,8 @@ static bool is_simple(const struct ast_expression *e) {
     }
 }
 
-static struct ir_value lower_conditional(struct lowering *l, struct ast_expression *e) {
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_conditional(struct lowering *l,
+                                                                struct ast_expression *e) {
     struct ir_value condition = lower_expression(l, e->left);
     struct ir_value value = {.count = ast_type_width(e->type)};
     if (e->type == TYPE_MATRIX)
@@ -265,7 +281,8 @@ static struct ir_value lower_fixed_change(struct lowering *l, const struct ast_e
     return scalar(lower_fixed_convert(l, &e->at, result, e->type));
 }
 
-static struct ir_value lower_assignment(struct lowering *l, struct ast_expression *e) {
+static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_assignment(struct lowering *l,
+                                                               struct ast_expression *e) {
     if (e->left->array_length) {
         struct ir_value to = *lower_symbol(l, e->left->symbol, &e->left->at);
         struct ir_value from = lower_expression(l, e->right);
