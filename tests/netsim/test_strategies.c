@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tests/test_harness.h"
 
-#include "base/rng.h"
 #include "netsim/schedule.h"
-#include "netsim/timing.h"
+#include "tests/netsim/least_solution.h"
+#include "tests/netsim/timing_cases.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -110,71 +110,20 @@ static void ranks_and_nodes_belong_together_and_take_turns(void **state) {
 /* ---- times: the rules of docs/timing.md for switched networks, as a graph of "no earlier than",
  * solved by relaxing; it shares the list of moves with the recurrence, and nothing else ---- */
 
-enum { FRAMES = 2, REGIONS_MAX = 7, NODES_MAX = 9, MOVES_MAX = 64 };
+enum { MOVES_MAX = 64 };
+static const struct timing_limits limits = {7, CASE_NODES_MAX, 4};
 
-struct rule {
-    int later, earlier;
-    ticks delay;
-};
-
-struct graph {
-    struct rule *rules;
-    size_t count, capacity;
-    ticks *at;
-    int variables;
-};
-
-static void rule(struct graph *g, int later, int earlier, ticks delay) {
-    g->rules = memory_grow(g->rules, &g->capacity, g->count + 1, sizeof *g->rules);
-    g->rules[g->count++] = (struct rule){later, earlier, delay};
-}
-
-static void solve(struct graph *g) {
-    g->at = memory_get((size_t)g->variables, sizeof *g->at);
-    for (bool moved = true; moved;) {
-        moved = false;
-        for (size_t i = 0; i < g->count; i++) {
-            const ticks least = g->at[g->rules[i].earlier] + g->rules[i].delay;
-            if (g->at[g->rules[i].later] < least) {
-                g->at[g->rules[i].later] = least;
-                moved = true;
-            }
-        }
-    }
-}
-
-struct workload {
-    struct timing_region regions[FRAMES][REGIONS_MAX];
-    struct timing_work work[FRAMES][REGIONS_MAX][NODES_MAX];
-    uint64_t geometry_bytes[FRAMES];
-    uint32_t count, r, s;
-};
-
-static void random_workload(struct rng *rng, struct workload *w) {
-    memset(w, 0, sizeof *w);
-    w->count = 1 + (uint32_t)rng_below(rng, REGIONS_MAX);
-    w->r = 1 + (uint32_t)rng_below(rng, NODES_MAX);
-    w->s = 1 + (uint32_t)rng_below(rng, 4);
-    for (int f = 0; f < FRAMES; f++) {
-        w->geometry_bytes[f] = rng_below(rng, 40000);
-        for (uint32_t k = 0; k < w->count; k++) {
-            struct timing_region *region = &w->regions[f][k];
-            region->words = (uint32_t)rng_below(rng, 4);
-            region->shading = region->words ? (ticks)rng_below(rng, 60000) : 0;
-            for (uint32_t i = 0; i < w->r; i++)
-                if (rng_below(rng, 2))
-                    w->work[f][k][region->work_count++] =
-                        (struct timing_work){i, (uint32_t)rng_below(rng, 200)};
-            region->work = w->work[f][k];
-        }
-    }
+/* The graph has no rule for primitives of frames ahead: every frame has a buffer of its own. */
+static void random_case_of_strategies(struct rng *rng, struct timing_case *w) {
+    random_case(rng, limits, w);
+    w->machine.geometry_frame_buffers = CASE_FRAMES;
 }
 
 /* What happened to a port, a node or a buffer, in order; and how long after its variable it was
  * over. */
 struct history {
-    int at[FRAMES * REGIONS_MAX * MOVES_MAX];
-    ticks length[FRAMES * REGIONS_MAX * MOVES_MAX];
+    int at[CASE_FRAMES * CASE_REGIONS_MAX * MOVES_MAX];
+    ticks length[CASE_FRAMES * CASE_REGIONS_MAX * MOVES_MAX];
     int count;
 };
 
@@ -186,34 +135,37 @@ static void follow(struct graph *g, struct history *history, int variable, ticks
 }
 
 struct world {
-    struct history out[NODES_MAX], in[NODES_MAX + 4], raster[NODES_MAX], shade[4], colour;
+    struct history out[CASE_NODES_MAX], in[CASE_NODES_MAX + 4], raster[CASE_NODES_MAX], shade[4],
+        colour;
     /* sends out of each raster buffer: variables and lengths of one region's moves */
     struct {
         int at[MOVES_MAX], count;
         ticks length[MOVES_MAX];
-    } sent[NODES_MAX][FRAMES * REGIONS_MAX];
-    int sent_count[NODES_MAX];
-    int shaded[4][FRAMES * REGIONS_MAX], shaded_count[4]; /* begin of colours */
+    } sent[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX];
+    int sent_count[CASE_NODES_MAX];
+    int shaded[4][CASE_FRAMES * CASE_REGIONS_MAX], shaded_count[4]; /* begin of colours */
 };
 
-static uint32_t turned(const struct workload *w, const struct schedule *schedule, uint32_t rank,
+static uint32_t turned(const struct timing_case *w, const struct schedule *schedule, uint32_t rank,
                        uint32_t k) {
-    return schedule->takes_turns ? (rank + w->r * 100 - k) % w->r : rank;
+    return schedule->takes_turns ? (rank + w->rendering_nodes * 100 - k) % w->rendering_nodes
+                                 : rank;
 }
 
 /* Moves of one region: variables first..first + count - 1. */
 static void add_moves(struct graph *g, struct world *world, const struct machine *m,
-                      const struct workload *w, const struct schedule *schedule, int f, uint32_t k,
-                      const int raster[NODES_MAX], const ticks cost[NODES_MAX], int geometry,
-                      ticks geometry_time, int first, ticks colours) {
+                      const struct timing_case *w, const struct schedule *schedule, int f,
+                      uint32_t k, const int raster[CASE_NODES_MAX],
+                      const ticks cost[CASE_NODES_MAX], int geometry, ticks geometry_time,
+                      int first, ticks colours) {
     const struct timing_region *region = &w->regions[f][k];
-    const uint32_t j = k % w->s;
+    const uint32_t j = case_shading_node(w, f, k);
     ticks length[MOVES_MAX];
     for (size_t i = 0; i < schedule->count; i++) {
         const struct schedule_move *move = &schedule->moves[i];
         const uint32_t from = turned(w, schedule, move->from, k);
         const uint32_t to =
-            move->to == SCHEDULE_SHADING ? NODES_MAX + j : turned(w, schedule, move->to, k);
+            move->to == SCHEDULE_SHADING ? CASE_NODES_MAX + j : turned(w, schedule, move->to, k);
         const int x = first + (int)i;
         const ticks words = (ticks)(move->end - move->first) * region->words;
         length[i] = m->composition_word * (words ? words : 1);
@@ -231,7 +183,7 @@ static void add_moves(struct graph *g, struct world *world, const struct machine
             rule(g, x, world->shaded[j][n - m->composition_region_buffers],
                  colours - 2 * m->composition_hop);
     }
-    for (uint32_t i = 0; i < w->r; i++)
+    for (uint32_t i = 0; i < w->rendering_nodes; i++)
         if (raster[i] >= 0) {
             const int n = world->sent_count[i]++;
             for (size_t move = 0; move < schedule->count; move++)
@@ -243,24 +195,24 @@ static void add_moves(struct graph *g, struct world *world, const struct machine
         }
 }
 
-static void build(struct graph *g, const struct machine *m, const struct workload *w,
-                  const struct schedule *schedule, int frame_end[FRAMES]) {
+static void build(struct graph *g, const struct machine *m, const struct timing_case *w,
+                  const struct schedule *schedule, int frame_end[CASE_FRAMES]) {
     struct world *world = memory_get(1, sizeof *world);
     const ticks hop = m->composition_hop, colours = m->composition_word * 8192 * m->colour_words;
     int geometry_before = 0, end_before = 0;
     ticks geometry_before_time = 0;
     g->variables = 1;
-    for (int f = 0; f < FRAMES; f++) {
+    for (int f = 0; f < CASE_FRAMES; f++) {
         const ticks geometry_time = (ticks)((w->geometry_bytes[f] + 3) / 4) * m->geometry_word;
         const int geometry = g->variables++, end = g->variables++;
         rule(g, geometry, geometry_before, geometry_before_time);
         rule(g, end, geometry, geometry_time);
         rule(g, end, end_before, 0);
-        for (uint32_t k = 0; k < w->count; k++) {
+        for (uint32_t k = 0; k < w->regions_per_frame; k++) {
             const struct timing_region *region = &w->regions[f][k];
-            const uint32_t j = k % w->s;
-            int raster[NODES_MAX];
-            ticks cost[NODES_MAX];
+            const uint32_t j = case_shading_node(w, f, k);
+            int raster[CASE_NODES_MAX];
+            ticks cost[CASE_NODES_MAX];
             memset(raster, -1, sizeof raster);
             for (uint32_t e = 0; e < region->work_count; e++) {
                 const uint32_t i = region->work[e].node;
@@ -301,39 +253,26 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
     free(world);
 }
 
-static struct machine random_machine(struct rng *rng) {
-    struct machine m = {.region_width = 128, .region_height = 64, .geometry_word_bytes = 4};
-    m.rate.per_s = 1000000000;
-    m.composition_word = 1 + (ticks)rng_below(rng, 5);
-    m.composition_hop = (ticks)rng_below(rng, 3000);
-    m.geometry_word = 1 + (ticks)rng_below(rng, 5);
-    m.raster_triangle = (ticks)rng_below(rng, 400);
-    m.raster_region = (ticks)rng_below(rng, 400);
-    m.colour_words = 1 + (int64_t)rng_below(rng, 2);
-    m.composition_region_buffers = 1 + (int64_t)rng_below(rng, 3);
-    m.geometry_frame_buffers = FRAMES;
-    return m;
-}
-
 static void times_agree_to_the_tick_with_the_rules_as_a_graph(void **state) {
     (void)state;
     struct rng rng = {4711};
-    struct workload *w = malloc(sizeof *w);
+    struct timing_case *w = malloc(sizeof *w);
     int compared = 0;
     for (int round = 0; round < 10000; round++) {
-        const struct machine machine = random_machine(&rng);
         const struct strategy *strategy = strategy_at(1 + round % 4);
         struct graph graph = {0};
-        int end[FRAMES];
-        random_workload(&rng, w);
-        struct schedule *schedule = schedule_create(strategy->plan, w->r, 8192);
+        int end[CASE_FRAMES];
+        random_case_of_strategies(&rng, w);
+        const struct machine machine = w->machine;
+        struct schedule *schedule = schedule_create(strategy->plan, w->rendering_nodes, 8192);
         assert_true(schedule->count <= MOVES_MAX);
         build(&graph, &machine, w, schedule, end);
-        solve(&graph);
-        struct timing_model *model = timing_model_create(&machine, strategy, w->r, w->s);
-        for (int f = 0; f < FRAMES; f++) {
+        graph_solve(&graph);
+        struct timing_model *model =
+            timing_model_create(&machine, strategy, w->rendering_nodes, w->shading_nodes);
+        for (int f = 0; f < CASE_FRAMES; f++) {
             struct timing_result result;
-            const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count, NULL};
+            const struct timing_frame frame = case_frame(w, f);
             assert_true(timing_model_add_frame(model, &frame, &result, NULL));
             if (result.end != graph.at[end[f]])
                 fail_msg("%s, round %d, frame %d: %lld, by the graph %lld", strategy->name, round,
@@ -342,19 +281,19 @@ static void times_agree_to_the_tick_with_the_rules_as_a_graph(void **state) {
         }
         timing_model_destroy(model);
         schedule_destroy(schedule);
-        free(graph.rules);
-        free(graph.at);
+        graph_finish(&graph);
     }
-    assert_true(compared == 10000 * FRAMES);
+    assert_true(compared == 10000 * CASE_FRAMES);
     free(w);
 }
 
 static ticks time_of(const struct machine *machine, const struct strategy *strategy,
-                     const struct workload *w) {
-    struct timing_model *model = timing_model_create(machine, strategy, w->r, w->s);
+                     const struct timing_case *w) {
+    struct timing_model *model =
+        timing_model_create(machine, strategy, w->rendering_nodes, w->shading_nodes);
     struct timing_result result = {0};
-    for (int f = 0; f < FRAMES; f++) {
-        const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count, NULL};
+    for (int f = 0; f < CASE_FRAMES; f++) {
+        const struct timing_frame frame = case_frame(w, f);
         assert_true(timing_model_add_frame(model, &frame, &result, NULL));
     }
     timing_model_destroy(model);
@@ -364,11 +303,11 @@ static ticks time_of(const struct machine *machine, const struct strategy *strat
 static void less_of_anything_never_takes_longer(void **state) {
     (void)state;
     struct rng rng = {99};
-    struct workload *w = malloc(sizeof *w);
+    struct timing_case *w = malloc(sizeof *w);
     for (int round = 0; round < 2000; round++) {
-        const struct machine machine = random_machine(&rng);
         const struct strategy *strategy = strategy_at(1 + round % 4);
-        random_workload(&rng, w);
+        random_case_of_strategies(&rng, w);
+        const struct machine machine = w->machine;
         const ticks whole = time_of(&machine, strategy, w);
         struct machine better = machine;
         better.composition_hop /= 2;
@@ -380,7 +319,7 @@ static void less_of_anything_never_takes_longer(void **state) {
         better.composition_region_buffers++;
         assert_true(time_of(&better, strategy, w) <= whole);
         struct timing_region *region =
-            &w->regions[rng_below(&rng, FRAMES)][rng_below(&rng, w->count)];
+            &w->regions[rng_below(&rng, CASE_FRAMES)][rng_below(&rng, w->regions_per_frame)];
         region->shading /= 2;
         assert_true(time_of(&machine, strategy, w) <= whole);
         region->words /= 2;

@@ -1,93 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tests/test_harness.h"
 
-#include "base/rng.h"
-#include "netsim/timing.h"
+#include "tests/netsim/least_solution.h"
+#include "tests/netsim/timing_cases.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* The same rules as docs/timing.md written a second time, as a graph: one variable for each begin,
- * "this begins no earlier than that plus so much" for each rule, and the least solution found by
- * relaxing until nothing moves. It shares no code with the recurrence and knows nothing of its
- * order of evaluation. */
+/* The same rules as docs/timing.md written a second time, as a graph. */
 
-struct rule {
-    int later, earlier;
-    ticks delay;
-};
-
-struct graph {
-    struct rule *rules;
-    size_t count, capacity;
-    ticks *at;
-    int variables;
-};
-
-static void rule(struct graph *g, int later, int earlier, ticks delay) {
-    g->rules = memory_grow(g->rules, &g->capacity, g->count + 1, sizeof *g->rules);
-    g->rules[g->count++] = (struct rule){later, earlier, delay};
-}
-
-static void solve(struct graph *g) {
-    g->at = memory_get((size_t)g->variables, sizeof *g->at);
-    for (bool moved = true; moved;) {
-        moved = false;
-        for (size_t i = 0; i < g->count; i++) {
-            const ticks least = g->at[g->rules[i].earlier] + g->rules[i].delay;
-            if (g->at[g->rules[i].later] < least) {
-                g->at[g->rules[i].later] = least;
-                moved = true;
-            }
-        }
-    }
-}
-
-enum { FRAMES = 3, REGIONS_MAX = 12, NODES_MAX = 4 };
-
-struct workload {
-    struct timing_region regions[FRAMES][REGIONS_MAX];
-    struct timing_work work[FRAMES][REGIONS_MAX][NODES_MAX];
-    uint64_t geometry_bytes[FRAMES];
-    uint32_t count, r, s;
-};
-
-static void random_workload(struct rng *rng, struct workload *w) {
-    memset(w, 0, sizeof *w);
-    w->count = 1 + (uint32_t)rng_below(rng, REGIONS_MAX);
-    w->r = 1 + (uint32_t)rng_below(rng, NODES_MAX);
-    w->s = 1 + (uint32_t)rng_below(rng, NODES_MAX);
-    for (int f = 0; f < FRAMES; f++) {
-        w->geometry_bytes[f] = rng_below(rng, 40000);
-        for (uint32_t k = 0; k < w->count; k++) {
-            struct timing_region *region = &w->regions[f][k];
-            region->words = (uint32_t)rng_below(rng, 4);
-            region->shading = region->words ? (ticks)rng_below(rng, 60000) : 0;
-            for (uint32_t i = 0; i < w->r; i++)
-                if (rng_below(rng, 2))
-                    w->work[f][k][region->work_count++] =
-                        (struct timing_work){i, (uint32_t)rng_below(rng, 200)};
-            region->work = w->work[f][k];
-        }
-    }
-}
+static const struct timing_limits limits = {CASE_REGIONS_MAX, 4, 4};
 
 /* Variables: 0 is time zero; then per frame the begin of geometry, and per region the begins of the
  * transfer, of shading, of the colours' arrival, and of raster at each node. */
-static void build(struct graph *g, const struct machine *m, const struct workload *w,
-                  int frame_end[FRAMES]) {
-    int geometry[FRAMES], transfer[FRAMES][REGIONS_MAX], shade[FRAMES][REGIONS_MAX],
-        colour[FRAMES][REGIONS_MAX];
-    int raster[FRAMES][REGIONS_MAX][NODES_MAX], end[FRAMES];
+static void build(struct graph *g, const struct machine *m, const struct timing_case *w,
+                  int frame_end[CASE_FRAMES]) {
+    int geometry[CASE_FRAMES], transfer[CASE_FRAMES][CASE_REGIONS_MAX],
+        shade[CASE_FRAMES][CASE_REGIONS_MAX], colour[CASE_FRAMES][CASE_REGIONS_MAX];
+    int raster[CASE_FRAMES][CASE_REGIONS_MAX][CASE_NODES_MAX], end[CASE_FRAMES];
     g->variables = 1;
-    for (int f = 0; f < FRAMES; f++) {
+    for (int f = 0; f < CASE_FRAMES; f++) {
         geometry[f] = g->variables++;
         end[f] = g->variables++;
-        for (uint32_t k = 0; k < w->count; k++) {
+        for (uint32_t k = 0; k < w->regions_per_frame; k++) {
             transfer[f][k] = g->variables++;
             shade[f][k] = g->variables++;
             colour[f][k] = g->variables++;
-            for (uint32_t i = 0; i < w->r; i++)
+            for (uint32_t i = 0; i < w->rendering_nodes; i++)
                 raster[f][k][i] = g->variables++;
         }
     }
@@ -95,14 +34,16 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
     const int buffers = (int)m->composition_region_buffers, frames = (int)m->geometry_frame_buffers;
     int last_transfer = 0, last_colour = 0;
     ticks last_length = 0;
-    int raster_history[NODES_MAX][FRAMES * REGIONS_MAX],
-        raster_transfer[NODES_MAX][FRAMES * REGIONS_MAX], raster_count[NODES_MAX] = {0};
-    ticks raster_cost[NODES_MAX][FRAMES * REGIONS_MAX],
-        raster_length[NODES_MAX][FRAMES * REGIONS_MAX];
-    int shade_history[NODES_MAX][FRAMES * REGIONS_MAX],
-        colour_history[NODES_MAX][FRAMES * REGIONS_MAX], shade_count[NODES_MAX] = {0};
-    ticks shade_cost[NODES_MAX][FRAMES * REGIONS_MAX];
-    for (int f = 0; f < FRAMES; f++) {
+    int raster_history[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX],
+        raster_transfer[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX],
+        raster_count[CASE_NODES_MAX] = {0};
+    ticks raster_cost[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX],
+        raster_length[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX];
+    int shade_history[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX],
+        colour_history[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX],
+        shade_count[CASE_NODES_MAX] = {0};
+    ticks shade_cost[CASE_NODES_MAX][CASE_FRAMES * CASE_REGIONS_MAX];
+    for (int f = 0; f < CASE_FRAMES; f++) {
         const ticks g_time = (ticks)((w->geometry_bytes[f] + 3) / 4) * m->geometry_word;
         rule(g, geometry[f], 0, 0);
         if (f)
@@ -111,7 +52,7 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
         rule(g, end[f], geometry[f], g_time);
         if (f)
             rule(g, end[f], end[f - 1], 0);
-        for (uint32_t i = 0; f >= frames && i < w->r;
+        for (uint32_t i = 0; f >= frames && i < w->rendering_nodes;
              i++) /* all work of frame f - frames is rastered */
             for (int n = 0; n < raster_count[i]; n++)
                 if (raster_history[i][n] < geometry[f - frames + 1])
@@ -119,12 +60,13 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
         if (f >= frames)
             rule(g, geometry[f], geometry[f - frames],
                  (ticks)((w->geometry_bytes[f - frames] + 3) / 4) * m->geometry_word);
-        for (uint32_t k = 0; k < w->count; k++) {
+        for (uint32_t k = 0; k < w->regions_per_frame; k++) {
             const struct timing_region *region = &w->regions[f][k];
             const ticks length =
                 region->words ? m->composition_word * 8192 * region->words : m->composition_word;
-            const uint32_t j = k % w->s;
-            const ticks chain = hop * ((ticks)w->r + j), way = hop * ((ticks)w->s - j);
+            const uint32_t j = case_shading_node(w, f, k);
+            const ticks chain = hop * ((ticks)w->rendering_nodes + j),
+                        way = hop * ((ticks)w->shading_nodes - j);
             const int x = transfer[f][k];
             rule(g, x, geometry[f], g_time);
             rule(g, x, last_transfer, last_length);
@@ -171,41 +113,23 @@ static void build(struct graph *g, const struct machine *m, const struct workloa
     }
 }
 
-static struct machine random_machine(struct rng *rng) {
-    struct machine m = {.region_width = 128,
-                        .region_height = 64,
-                        .composition_word_bytes = 32,
-                        .composition_depth_bytes = 4,
-                        .composition_shader_id_bytes = 2,
-                        .geometry_word_bytes = 4};
-    m.rate.per_s = 1000000000;
-    m.composition_word = 1 + (ticks)rng_below(rng, 5);
-    m.composition_hop = (ticks)rng_below(rng, 3000);
-    m.geometry_word = 1 + (ticks)rng_below(rng, 5);
-    m.raster_triangle = (ticks)rng_below(rng, 400);
-    m.raster_region = (ticks)rng_below(rng, 400);
-    m.colour_words = 1 + (int64_t)rng_below(rng, 2);
-    m.composition_region_buffers = 1 + (int64_t)rng_below(rng, 3);
-    m.geometry_frame_buffers = 1 + (int64_t)rng_below(rng, 3);
-    return m;
-}
-
 static void recurrence_agrees_to_the_tick_with_the_rules_as_a_graph(void **state) {
     (void)state;
     struct rng rng = {2024};
-    struct workload *w = malloc(sizeof *w);
+    struct timing_case *w = malloc(sizeof *w);
     for (int round = 0; round < 10000; round++) {
-        const struct machine machine = random_machine(&rng);
         struct graph graph = {0};
-        int end[FRAMES];
-        random_workload(&rng, w);
+        int end[CASE_FRAMES];
+        random_case(&rng, limits, w);
+        const struct machine machine = w->machine;
         build(&graph, &machine, w, end);
-        solve(&graph);
-        struct timing_model *model = timing_model_create(&machine, &strategy_chain, w->r, w->s);
+        graph_solve(&graph);
+        struct timing_model *model =
+            timing_model_create(&machine, &strategy_chain, w->rendering_nodes, w->shading_nodes);
         ticks before = 0;
-        for (int f = 0; f < FRAMES; f++) {
+        for (int f = 0; f < CASE_FRAMES; f++) {
             struct timing_result result;
-            const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count, NULL};
+            const struct timing_frame frame = case_frame(w, f);
             assert_true(timing_model_add_frame(model, &frame, &result, NULL));
             if (result.end != graph.at[end[f]])
                 fail_msg("round %d, frame %d: %lld, by the graph %lld", round, f,
@@ -215,17 +139,17 @@ static void recurrence_agrees_to_the_tick_with_the_rules_as_a_graph(void **state
             before = result.end;
         }
         timing_model_destroy(model);
-        free(graph.rules);
-        free(graph.at);
+        graph_finish(&graph);
     }
     free(w);
 }
 
-static ticks time_of(const struct machine *machine, const struct workload *w) {
-    struct timing_model *model = timing_model_create(machine, &strategy_chain, w->r, w->s);
+static ticks time_of(const struct machine *machine, const struct timing_case *w) {
+    struct timing_model *model =
+        timing_model_create(machine, &strategy_chain, w->rendering_nodes, w->shading_nodes);
     struct timing_result result = {0};
-    for (int f = 0; f < FRAMES; f++) {
-        const struct timing_frame frame = {w->geometry_bytes[f], w->regions[f], w->count, NULL};
+    for (int f = 0; f < CASE_FRAMES; f++) {
+        const struct timing_frame frame = case_frame(w, f);
         assert_true(timing_model_add_frame(model, &frame, &result, NULL));
     }
     timing_model_destroy(model);
@@ -235,10 +159,10 @@ static ticks time_of(const struct machine *machine, const struct workload *w) {
 static void less_of_anything_never_takes_longer(void **state) {
     (void)state;
     struct rng rng = {77};
-    struct workload *w = malloc(sizeof *w);
+    struct timing_case *w = malloc(sizeof *w);
     for (int round = 0; round < 3000; round++) {
-        const struct machine machine = random_machine(&rng);
-        random_workload(&rng, w);
+        random_case(&rng, limits, w);
+        const struct machine machine = w->machine;
         const ticks whole = time_of(&machine, w);
         struct machine better = machine;
         better.composition_hop /= 2;
@@ -256,7 +180,7 @@ static void less_of_anything_never_takes_longer(void **state) {
         better.geometry_word = 1;
         assert_true(time_of(&better, w) <= whole);
         struct timing_region *region =
-            &w->regions[rng_below(&rng, FRAMES)][rng_below(&rng, w->count)];
+            &w->regions[rng_below(&rng, CASE_FRAMES)][rng_below(&rng, w->regions_per_frame)];
         region->shading /= 2;
         assert_true(time_of(&machine, w) <= whole);
     }
@@ -266,18 +190,18 @@ static void less_of_anything_never_takes_longer(void **state) {
 static void all_times_scale_together(void **state) {
     (void)state;
     struct rng rng = {78};
-    struct workload *w = malloc(sizeof *w);
+    struct timing_case *w = malloc(sizeof *w);
     for (int round = 0; round < 1000; round++) {
-        const struct machine machine = random_machine(&rng);
-        random_workload(&rng, w);
+        random_case(&rng, limits, w);
+        const struct machine machine = w->machine;
         const ticks whole = time_of(&machine, w);
         struct machine slower = machine;
         ticks *times[] = {&slower.composition_word, &slower.composition_hop, &slower.geometry_word,
                           &slower.raster_triangle, &slower.raster_region};
         for (size_t i = 0; i < sizeof times / sizeof *times; i++)
             *times[i] *= 7;
-        for (int f = 0; f < FRAMES; f++)
-            for (uint32_t k = 0; k < w->count; k++)
+        for (int f = 0; f < CASE_FRAMES; f++)
+            for (uint32_t k = 0; k < w->regions_per_frame; k++)
                 w->regions[f][k].shading *= 7;
         assert_int_equal(time_of(&slower, w), 7 * whole);
     }
@@ -287,7 +211,7 @@ static void all_times_scale_together(void **state) {
 static void times_past_63_bits_are_refused(void **state) {
     (void)state;
     struct rng rng = {1};
-    struct machine machine = random_machine(&rng);
+    struct machine machine = random_case_machine(&rng);
     machine.composition_word = TICKS_MAX / 4096;
     struct timing_region region = {.words = 3};
     const struct timing_frame frame = {0, &region, 1, NULL};

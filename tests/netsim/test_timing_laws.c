@@ -6,6 +6,8 @@
 
 #include <stdlib.h>
 
+static const struct timing_limits limits = {CASE_REGIONS_MAX, 5, 5};
+
 static void solve(const struct timing_case *c, ticks end[CASE_FRAMES], struct timeline *timeline) {
     struct timing_model *model =
         timing_model_create(&c->machine, &strategy_chain, c->rendering_nodes, c->shading_nodes);
@@ -25,7 +27,7 @@ static void the_solver_agrees_to_the_tick_with_a_simulation_event_by_event(void 
     struct timing_case *c = malloc(sizeof *c);
     for (int round = 0; round < 10000; round++) {
         ticks solved[CASE_FRAMES], simulated[CASE_FRAMES];
-        random_case(&rng, c);
+        random_case(&rng, limits, c);
         solve(c, solved, NULL);
         simulate_events(c, simulated);
         for (int f = 0; f < CASE_FRAMES; f++)
@@ -45,7 +47,7 @@ static void reasons_and_critical_paths_add_up_to_the_frame_time(void **state) {
     uint32_t seen[TIMELINE_WAIT_COUNT] = {0}, backward = 0;
     for (int round = 0; round < 10000; round++) {
         ticks end[CASE_FRAMES];
-        random_case(&rng, c);
+        random_case(&rng, limits, c);
         struct timeline *timeline =
             timeline_create(&c->machine, c->rendering_nodes, c->shading_nodes);
         solve(c, end, timeline);
@@ -154,7 +156,7 @@ static void less_of_anything_never_takes_longer(void **state) {
     struct timing_case *c = malloc(sizeof *c);
     uint32_t shorter[sizeof laws / sizeof *laws] = {0};
     for (int round = 0; round < 20000; round++) {
-        random_case(&rng, c);
+        random_case(&rng, limits, c);
         const size_t law = (size_t)round % (sizeof laws / sizeof *laws);
         const ticks before = last_end(c);
         laws[law].improve(&rng, c);
@@ -188,7 +190,7 @@ static void finer_ticks_give_the_same_times(void **state) {
     struct rng rng = {34};
     struct timing_case *c = malloc(sizeof *c);
     for (int round = 0; round < 2000; round++) {
-        random_case(&rng, c);
+        random_case(&rng, limits, c);
         const ticks at_t = last_end(c);
         const uint64_t rate = c->machine.rate.per_s;
         refine(c, 2);

@@ -9,7 +9,12 @@
 
 /* Random machines and workloads for the tests of the timing model. */
 
-enum { CASE_FRAMES = 3, CASE_REGIONS_MAX = 12, CASE_NODES_MAX = 5 };
+enum { CASE_FRAMES = 3, CASE_REGIONS_MAX = 12, CASE_NODES_MAX = 9 };
+
+/* What a test allows of them. */
+struct timing_limits {
+    uint32_t regions, rendering_nodes, shading_nodes;
+};
 
 struct timing_case {
     struct machine machine;
@@ -40,12 +45,13 @@ static inline struct machine random_case_machine(struct rng *rng) {
     return m;
 }
 
-static inline void random_case(struct rng *rng, struct timing_case *c) {
+static inline void random_case(struct rng *rng, struct timing_limits limits,
+                               struct timing_case *c) {
     memset(c, 0, sizeof *c);
     c->machine = random_case_machine(rng);
-    c->regions_per_frame = 1 + (uint32_t)rng_below(rng, CASE_REGIONS_MAX);
-    c->rendering_nodes = 1 + (uint32_t)rng_below(rng, CASE_NODES_MAX);
-    c->shading_nodes = 1 + (uint32_t)rng_below(rng, CASE_NODES_MAX);
+    c->regions_per_frame = 1 + (uint32_t)rng_below(rng, limits.regions);
+    c->rendering_nodes = 1 + (uint32_t)rng_below(rng, limits.rendering_nodes);
+    c->shading_nodes = 1 + (uint32_t)rng_below(rng, limits.shading_nodes);
     c->is_assigned = rng_below(rng, 3) == 0;
     for (int f = 0; f < CASE_FRAMES; f++) {
         c->geometry_bytes[f] = rng_below(rng, 5) ? rng_below(rng, 40000) : 0;
@@ -61,6 +67,10 @@ static inline void random_case(struct rng *rng, struct timing_case *c) {
             region->work = c->work[f][k];
         }
     }
+}
+
+static inline uint32_t case_shading_node(const struct timing_case *c, int f, uint32_t k) {
+    return c->is_assigned ? c->shading_node[f][k] : k % c->shading_nodes;
 }
 
 static inline struct timing_frame case_frame(const struct timing_case *c, int f) {
