@@ -150,6 +150,24 @@ static void odd_rates_stay_exact(void **state) {
     free(text);
 }
 
+/* What calibration rests on: it rounds the two rates that it measures to three digits. */
+static void rates_of_three_digits_have_a_tick_in_common(void **state) {
+    (void)state;
+    struct machine machine = pixelflow();
+    int64_t values[MACHINE_VALUE_COUNT];
+    struct status status = {0};
+    machine_to_values(&machine, values);
+    values[MACHINE_INDEX_raster_region_ps] = 999999937;
+    for (int64_t a = 900; a < 1000; a++)
+        for (int64_t b = 900; b < 1000; b++)
+            for (int64_t unit = 1; unit <= 1000000000; unit *= 1000) {
+                values[MACHINE_INDEX_composition_bytes_per_s] = a * unit;
+                values[MACHINE_INDEX_geometry_bytes_per_s] = b * 1000000;
+                if (!machine_from_values("three digits", values, &machine, &status))
+                    fail_msg("%s", status.message);
+            }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(figures_of_the_paper_are_in_the_description),
@@ -159,6 +177,7 @@ int main(void) {
         cmocka_unit_test(every_entry_is_checked_against_its_range),
         cmocka_unit_test(wrong_files_are_refused_by_name),
         cmocka_unit_test(odd_rates_stay_exact),
+        cmocka_unit_test(rates_of_three_digits_have_a_tick_in_common),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
