@@ -363,13 +363,27 @@ static bool send_frame(struct host_node *self, struct node_outputs *outputs,
     return ok && read_upcoming(self, status);
 }
 
+static bool skip_frames(struct host_node *self, struct status *status) {
+    for (int i = 0; self->upcoming && i < self->options.skipped_frames; i++) {
+        scene_frame_destroy(self->upcoming);
+        self->upcoming = NULL;
+        if (!read_upcoming(self, status))
+            return false;
+        if (!self->upcoming)
+            return status_fail(status, STATUS_INVALID,
+                               "%s: --skip %d leaves no frame to render: the scene has %d",
+                               self->options.scene, self->options.skipped_frames, i + 1);
+    }
+    return true;
+}
+
 static bool start(struct host_node *self, struct node_outputs *outputs, struct status *status) {
     const struct configuration configuration = {
         self->options.rendering_nodes, self->options.shading_nodes,
         self->options.strategy ? self->options.strategy : strategy_at(0), self->options.is_recorded,
         self->options.machine};
     struct scene_frame *first;
-    if (!read_upcoming(self, status))
+    if (!read_upcoming(self, status) || !skip_frames(self, status))
         return false;
     if (!self->upcoming)
         return status_fail(status, STATUS_INVALID,
@@ -564,6 +578,7 @@ bool host_node_create(const struct host_options *options, const struct host_obse
                                                     (int)options->machine.pixel_memory_bytes,
                                                 .allows_external = options->allows_external};
     shader_library_set_base(self->library, &base);
+    self->report.shaders = self->library;
     if (options->is_recorded) {
         self->recorder =
             run_recorder_create(options->scene, &options->machine, options->seed,

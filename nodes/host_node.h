@@ -18,7 +18,8 @@ struct host_options {
     const struct strategy *strategy; /* of composition; NULL: the chain */
     const char *const *shader_folders;
     int shader_folder_count;
-    int frames; /* 0: as many as the scene has; more than that repeat the last */
+    int skipped_frames; /* of the scene, at its start */
+    int frames;         /* 0: as many as the scene has; more than that repeat the last */
     uint64_t seed;
     const char
         *output; /* picture to write; NULL or "": none. See image_name.h for several frames */
@@ -57,6 +58,7 @@ struct host_report {
     size_t instance_count;
     char **warnings;
     size_t warning_count;
+    const struct shader_library *shaders;
     const struct run_record *record; /* complete once the run is over; NULL: not recorded */
 };
 

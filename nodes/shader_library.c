@@ -11,6 +11,7 @@ enum { SOURCE_BYTES_MAX = 1 << 20, PATH_BYTES = 4096 };
 struct library_entry {
     struct shader_variant variant; /* first: what callers see */
     char *key;                     /* variant_key */
+    char *names[3];                /* of the shader, its displacement and its atmosphere, or NULL */
 };
 
 struct shader_library {
@@ -48,6 +49,8 @@ void shader_library_destroy(struct shader_library *library) {
     for (size_t i = 0; i < library->count; i++) {
         shader_program_destroy((struct shader_program *)library->entries[i]->variant.program);
         free(library->entries[i]->key);
+        for (int n = 0; n < 3; n++)
+            free(library->entries[i]->names[n]);
         free(library->entries[i]);
     }
     free(library->folders);
@@ -170,13 +173,21 @@ static bool is_fast_shader(const struct shader_library *library, const char *nam
     return false;
 }
 
+static struct shader_fast_calls fast_calls(const struct shader_library *library, const char *name) {
+    struct shader_fast_calls calls = fast_calls_of(&library->precision.fast_calls, name);
+    calls.all = name && is_fast_shader(library, name);
+    return calls;
+}
+
 static bool compile_sources(struct shader_library *library, const struct shader_wanted *wanted,
                             const char *const *material, struct source_file sources[3],
                             struct shader_program **program, struct status *status) {
     struct included included = {.library = library, .shader_path = sources[0].path};
     const bool is_light = wanted->kind == SHADER_KIND_LIGHT;
-    const struct shader_companion before = {sources[1].path, sources[1].text, sources[1].length},
-                                  after = {sources[2].path, sources[2].text, sources[2].length};
+    const struct shader_companion before = {sources[1].path, sources[1].text, sources[1].length,
+                                            fast_calls(library, wanted->displacement)},
+                                  after = {sources[2].path, sources[2].text, sources[2].length,
+                                           fast_calls(library, wanted->atmosphere)};
     const struct shader_compile_options options = {
         .displacement = wanted->displacement ? &before : NULL,
         .atmosphere = wanted->atmosphere ? &after : NULL,
@@ -184,7 +195,8 @@ static bool compile_sources(struct shader_library *library, const struct shader_
         .material_count = is_light ? 0 : wanted->material_count,
         .exports = material,
         .export_count = is_light ? wanted->material_count : 0,
-        .fast_math = library->precision.fast_math || is_fast_shader(library, wanted->name),
+        .fast_math = library->precision.fast_math,
+        .fast_calls = fast_calls(library, wanted->name),
         .half_parameters = library->precision.half_parameters,
         .reference_math = library->precision.reference_math,
         .pixel_memory_bytes = library->base.pixel_memory_bytes,
@@ -198,6 +210,9 @@ static bool compile_sources(struct shader_library *library, const struct shader_
     for (size_t i = 0; i < included.count; i++)
         free(included.texts[i]);
     free(included.texts);
+    free((void *)options.fast_calls.list);
+    free((void *)before.fast_calls.list);
+    free((void *)after.fast_calls.list);
     return ok;
 }
 
@@ -263,7 +278,12 @@ bool shader_library_variant(struct shader_library *library, const struct shader_
     struct shader_program *program;
     if (!found && (ok = compile(library, wanted, sorted, asked_at, &program, status))) {
         found = memory_get(1, sizeof *found);
-        *found = (struct library_entry){{(uint32_t)library->count, program}, key};
+        const char *const names[3] = {wanted->name, wanted->displacement, wanted->atmosphere};
+        for (int n = 0; n < 3; n++)
+            found->names[n] = names[n] ? memory_copy_string(names[n]) : NULL;
+        found->variant =
+            (struct shader_variant){(uint32_t)library->count, found->names[0], program};
+        found->key = key;
         key = NULL;
         library->entries = memory_grow(library->entries, &library->capacity, library->count + 1,
                                        sizeof *library->entries);
@@ -284,6 +304,14 @@ uint32_t shader_library_count(const struct shader_library *library) {
 const struct shader_variant *shader_library_at(const struct shader_library *library,
                                                uint32_t number) {
     return &library->entries[number]->variant;
+}
+
+const char *shader_variant_site_shader(const struct shader_variant *variant,
+                                       const struct shader_call_site *site) {
+    const struct library_entry *entry = (const struct library_entry *)variant;
+    if (site->kind == (int)variant->program->kind)
+        return entry->names[0];
+    return entry->names[site->kind == SHADER_KIND_DISPLACEMENT ? 1 : 2];
 }
 
 const char *shader_library_warning(struct shader_library *library) {

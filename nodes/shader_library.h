@@ -3,6 +3,7 @@
 #define SHADER_LIBRARY_H
 
 #include "base/status.h"
+#include "nodes/fast_calls.h"
 #include "scenes/scene.h"
 #include "shaders/compiler/shader_compile.h"
 
@@ -12,14 +13,21 @@
 struct shader_library;
 
 struct shader_variant {
-    uint32_t number; /* counts variants from 0 */
+    uint32_t number;  /* counts variants from 0 */
+    const char *name; /* of its main shader, as the scene has it */
     const struct shader_program *program;
 };
+
+/* The name, as the scene has it, of the shader that a call site of the variant is in: of the
+ * surface, or of the displacement or volume shader that goes with it. */
+const char *shader_variant_site_shader(const struct shader_variant *variant,
+                                       const struct shader_call_site *site);
 
 /* How accurately shaders compute, and how their parameters travel. */
 struct shader_precision {
     bool fast_math, reference_math;
-    const char *fast_shaders; /* names with commas: these use fast functions; NULL: none */
+    const char *fast_shaders;     /* names with commas: these use fast functions; NULL: none */
+    struct fast_calls fast_calls; /* ... and these calls; stays the caller's */
     bool half_parameters;
 };
 

@@ -29,6 +29,7 @@ struct shader_study {
     struct prepared_shader *instance; /* NULL: nothing to run */
     bool has_overrun;
     uint64_t *executions;
+    struct fast_call *fast_calls; /* that the library looks at */
 };
 
 /* Text that grows. */
@@ -233,8 +234,13 @@ bool shader_study_create(const struct shader_study_options *options, struct shad
     snprintf(study->path, sizeof study->path, "%s", resolved);
     trace_init(&study->trace, "shader", NULL);
     study->services = local_services_create(&study->trace, NULL);
-    const struct shader_precision precision = {.fast_math = options->compile.fast_math,
-                                               .half_parameters = options->compile.half_parameters};
+    struct shader_precision precision = {.fast_math = options->compile.fast_math,
+                                         .fast_calls = options->fast_calls,
+                                         .half_parameters = options->compile.half_parameters};
+    precision.fast_calls.list = study->fast_calls =
+        memory_get((size_t)precision.fast_calls.count, sizeof *study->fast_calls);
+    for (int i = 0; i < precision.fast_calls.count; i++)
+        study->fast_calls[i] = (struct fast_call){study->path, options->fast_calls.list[i].call};
     study->library = shader_library_create(options->folders, options->folder_count, &precision);
     struct shader_compile_options base = options->compile;
     base.allows_external = options->link != NULL;
@@ -262,6 +268,7 @@ void shader_study_destroy(struct shader_study *study) {
     shader_library_destroy(study->library);
     local_services_destroy(study->services);
     free(study->executions);
+    free(study->fast_calls);
     free(study);
 }
 

@@ -19,7 +19,8 @@ struct shader_study_options {
     int material_count;
     const char *const *lights; /* names of light shaders; NULL and 0: ambient and distant */
     int light_count;
-    const char *link; /* object with extern "C" functions; NULL: none are allowed */
+    const char *link;             /* object with extern "C" functions; NULL: none are allowed */
+    struct fast_calls fast_calls; /* of this shader; the names in it are not looked at */
     struct shader_compile_options compile; /* fast_math, passes_left_out, dump, memory of a pixel */
 };
 

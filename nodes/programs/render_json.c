@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "nodes/programs/call_sites_json.h"
 #include "nodes/programs/json_output.h"
 #include "nodes/programs/render_report.h"
 
@@ -73,6 +74,17 @@ static void add_instance(cJSON *instances, const struct instance_report *report)
     cJSON_AddItemToArray(instances, instance);
 }
 
+/* Calls of functions with a fast version, in the form of --fast-calls. */
+static void add_calls(cJSON *calls, const struct shader_variant *variant) {
+    for (int i = 0; i < variant->program->call_site_count; i++) {
+        const struct shader_call_site *site = &variant->program->call_sites[i];
+        cJSON *call = cJSON_CreateObject();
+        cJSON_AddStringToObject(call, "shader", shader_variant_site_shader(variant, site));
+        call_site_add_json(call, site);
+        cJSON_AddItemToArray(calls, call);
+    }
+}
+
 /* How the wall time of each frame, times the scale, compares with the solved time. */
 static void add_pace(cJSON *document, const struct host_report *report,
                      const struct pace_report *pace) {
@@ -112,6 +124,9 @@ static cJSON *make_document(const struct render_options *options, const struct h
     cJSON *instances = cJSON_AddArrayToObject(document, "instances");
     for (size_t i = 0; i < report->instance_count; i++)
         add_instance(instances, &report->instances[i]);
+    cJSON *calls = cJSON_AddArrayToObject(document, "calls");
+    for (uint32_t i = 0; i < shader_library_count(report->shaders); i++)
+        add_calls(calls, shader_library_at(report->shaders, i));
     cJSON_AddNumberToObject(document, "wall_s", wall_s);
     if (pace->scale > 0)
         add_pace(document, report, pace);

@@ -41,6 +41,8 @@ enum {
     OPTION_SUPERVISOR,
     OPTION_CHORD,
     OPTION_FAST_SHADERS,
+    OPTION_FAST_CALLS,
+    OPTION_SKIP,
     OPTION_PARAMETERS,
     OPTION_EXPLAIN_WORK,
     OPTION_LINK,
@@ -68,6 +70,8 @@ static const struct option long_options[] = {
     {"math", required_argument, NULL, OPTION_MATH},
     {"explain-work", no_argument, NULL, OPTION_EXPLAIN_WORK},
     {"fast-shaders", required_argument, NULL, OPTION_FAST_SHADERS},
+    {"fast-calls", required_argument, NULL, OPTION_FAST_CALLS},
+    {"skip", required_argument, NULL, OPTION_SKIP},
     {"parameters", required_argument, NULL, OPTION_PARAMETERS},
     {"chord", required_argument, NULL, OPTION_CHORD},
     {"shaders", required_argument, NULL, OPTION_SHADERS},
@@ -124,11 +128,14 @@ static void print_help(bool is_host_program) {
          "      --chord PIXELS         how far a diced curve may lie from the true one (default "
          "0.1)\n"
          "      --frames N             render N frames; a scene with fewer repeats its last\n"
+         "      --skip N               leave out the first N frames of the scene\n"
          "      --math MODE            exact (default): accurate functions; fast: the paper's "
          "faster ones;\n"
          "                             reference: everything in double precision, to state errors "
          "against\n"
          "      --fast-shaders NAMES   these shaders alone (with commas) use the faster functions\n"
+         "      --fast-calls S:L:C,... and these calls: shader, line and column (`sortlast shader` "
+         "lists them)\n"
          "      --parameters P         of vertices on the composition network: float (default), or "
          "half:\n"
          "                             rounded to 16 bits after interpolation\n"
@@ -371,6 +378,13 @@ static bool parse_one(int option, const char *text, struct render_options *o,
     case OPTION_FAST_SHADERS:
         o->host.precision.fast_shaders = text;
         return true;
+    case OPTION_FAST_CALLS:
+        fast_calls_finish(&o->host.precision.fast_calls);
+        return fast_calls_parse("--fast-calls", text, NULL, &o->host.precision.fast_calls, status);
+    case OPTION_SKIP:
+        ok = parse_whole(text, "--skip", 0, FRAMES_MAX, &whole, status);
+        o->host.skipped_frames = (int)whole;
+        return ok;
     case OPTION_PARAMETERS:
         ok = parse_choice(text, "--parameters", parameters, &choice, status);
         o->host.precision.half_parameters = choice == 1;
@@ -587,4 +601,5 @@ void render_options_finish(struct render_options *options) {
     for (int i = 0; i < options->host.shader_folder_count; i++)
         free(options->folders[i]);
     options->host.shader_folder_count = 0;
+    fast_calls_finish(&options->host.precision.fast_calls);
 }

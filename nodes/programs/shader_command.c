@@ -14,7 +14,7 @@ enum { LIST_MAX = 64, SOURCE_BYTES_MAX = 1 << 20 };
 struct shader_options {
     struct shader_study_options study;
     const char *definitions[LIST_MAX], *material[LIST_MAX], *lights[LIST_MAX], *folders[LIST_MAX];
-    const char *machine, *json, *svg, *output;
+    const char *machine, *json, *svg, *output, *fast_calls;
     bool renders, writes_png, explains, prints_c;
     int width, height;
     char machine_file[4096], library[2][4096], own_folder[4096];
@@ -32,6 +32,7 @@ static void print_help(void) {
         "  --link FILE.so             let it call the extern \"C\" functions of this object\n"
         "  --machine NAME|FILE        whose prices and memory (default pixelflow)\n"
         "  --math exact|fast          compile with the fast functions of the paper\n"
+        "  --fast-calls LINE:COLUMN[,LINE:COLUMN...]  these calls alone (the report lists them)\n"
         "  --json FILE                the report for programs; - is standard output\n"
         "  --svg FILE                 the lifetimes of variables in pixel memory, drawn\n"
         "  --explain                  what each optimisation saved\n"
@@ -117,6 +118,7 @@ enum option_key {
     KEY_PNG,
     KEY_FORMAT,
     KEY_LINK,
+    KEY_FAST_CALLS,
 };
 
 static const struct option long_options[] = {{"material", 1, NULL, KEY_MATERIAL},
@@ -125,6 +127,7 @@ static const struct option long_options[] = {{"material", 1, NULL, KEY_MATERIAL}
                                              {"machine", 1, NULL, KEY_MACHINE},
                                              {"link", 1, NULL, KEY_LINK},
                                              {"math", 1, NULL, KEY_MATH},
+                                             {"fast-calls", 1, NULL, KEY_FAST_CALLS},
                                              {"json", 1, NULL, KEY_JSON},
                                              {"svg", 1, NULL, KEY_SVG},
                                              {"explain", 0, NULL, KEY_EXPLAIN},
@@ -172,6 +175,9 @@ static int take_option(struct shader_options *o, int key) {
         return !strcmp(optarg, "fast") || !strcmp(optarg, "exact")
                    ? -1
                    : usage("--math is exact or fast, not ", optarg);
+    case KEY_FAST_CALLS:
+        o->fast_calls = optarg;
+        return -1;
     case KEY_JSON:
         o->json = optarg;
         return -1;
@@ -348,9 +354,12 @@ int shader_main(int argc, char **argv) {
         !machine_read_file(o->machine_file, &machine, &status))
         return failure(&status);
     o->study.compile.pixel_memory_bytes = (int)machine.pixel_memory_bytes;
-    if (!shader_study_create(&o->study, &study, &status))
+    if (o->fast_calls && !fast_calls_parse("--fast-calls", o->fast_calls, o->study.path,
+                                           &o->study.fast_calls, &status))
         return failure(&status);
-    const bool ok = examine(o, study, &machine, &status);
+    bool ok = shader_study_create(&o->study, &study, &status);
+    ok = ok && examine(o, study, &machine, &status);
     shader_study_destroy(study);
+    fast_calls_finish(&o->study.fast_calls);
     return ok ? 0 : failure(&status);
 }

@@ -43,6 +43,9 @@ const char *shader_parameter_storage(const struct shader_parameter *parameter);
 
 void shader_report_print(FILE *stream, const struct shader_report *report, const char *source);
 cJSON *shader_report_json(const struct shader_report *report);
+/* Calls of functions with a fast version; shader_report_calls.c */
+void shader_report_print_calls(FILE *stream, const struct shader_report *report);
+cJSON *shader_report_calls_json(const struct shader_report *report);
 /* The lifetime chart as SVG: the caller frees it. */
 char *shader_report_svg(const struct shader_report *report);
 /* What each optimisation saved; compiles the shader again without it. */

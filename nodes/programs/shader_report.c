@@ -172,7 +172,10 @@ static void print_lifetimes(FILE *stream, const struct shader_memory *m) {
 
 static void print_times(FILE *stream, const struct shader_report *report) {
     const struct paper_figures *paper = paper_figures(report->program->name);
-    fprintf(stream, "\nTime per region, us %27s %10s\n", "exact", "fast");
+    bool is_chosen = false;
+    for (int i = 0; i < report->program->call_site_count; i++)
+        is_chosen |= report->program->call_sites[i].is_fast;
+    fprintf(stream, "\nTime per region, us %27s %10s\n", is_chosen ? "as chosen" : "exact", "fast");
     for (int s = 0; s < SHADER_STREAM_COUNT; s++) {
         const uint64_t *operations = report->counts.operations[s];
         const ticks exact = shader_report_price(report->machine, operations, false);
@@ -271,6 +274,7 @@ void shader_report_print(FILE *stream, const struct shader_report *report, const
     if (!report->is_measured)
         return;
     print_times(stream, report);
+    shader_report_print_calls(stream, report);
     if (program->kind == SHADER_KIND_LIGHT)
         return;
     print_operations(stream, report);

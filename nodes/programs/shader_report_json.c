@@ -114,6 +114,7 @@ cJSON *shader_report_json(const struct shader_report *report) {
     cJSON_AddItemToObject(object, "memory", memory_json(&report->program->memory));
     if (report->is_measured)
         add_costs(object, report);
+    cJSON_AddItemToObject(object, "calls", shader_report_calls_json(report));
     cJSON *diagnostics = cJSON_AddArrayToObject(object, "diagnostics");
     for (int i = 0; i < report->warning_count; i++)
         cJSON_AddItemToArray(diagnostics, cJSON_CreateString(report->warnings[i]));

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/call_sites.h"
 #include "shaders/compiler/passes.h"
 
 #include <string.h>
@@ -52,7 +53,7 @@ static void count_operations(struct ir_program *ir, const struct source_location
         ir->line_cost_capacity = capacity;
     }
     ir->line_costs[ir->line_cost_count++] = (struct shader_line_cost){
-        at ? at->line : 0, block, (int)stream, operation, (uint32_t)count};
+        at ? at->line : 0, block, (int)stream, operation, (uint32_t)count, -1};
 }
 
 void ir_count_operations(struct ir_program *ir, const struct ir_node *node, int operation,
@@ -143,9 +144,11 @@ static void price_instruction(struct pricing *p, struct ir_node *node, int block
         price_fixed(node, operations);
         for (int i = 0; i < SIMD_OPERATION_COUNT; i++)
             add(p, block, stream, i, (int)operations[i]);
+    } else if (node->call_site) {
+        add(p, block, stream, node->is_fast ? simd_operation_fast(info->cost) : info->cost, 1);
+        p->ir->line_costs[p->ir->line_cost_count - 1].call_site = node->call_site->number;
     } else if (info->cost != IR_FREE) {
-        add(p, block, stream, node->is_fast ? simd_operation_fast(info->cost) : info->cost,
-            results);
+        add(p, block, stream, info->cost, results);
     }
 }
 

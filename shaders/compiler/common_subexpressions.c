@@ -148,6 +148,7 @@ static void become_moves(struct known_values *k, struct ir_node *node,
         move->external = NULL;
         move->index = 0;
         move->is_free = move->is_fast = false;
+        move->call_site = NULL;
         at = move;
     }
 }

@@ -79,8 +79,7 @@ static void put_instruction(struct dump *d, const struct ir_node *node, int inde
         put_variable(d, node->results[i]);
         put(d, i < 2 && node->results[i + 1] ? ", " : " = ");
     }
-    put(d, "%s%s", info->name,
-        node->is_fast && simd_operation_fast(info->cost) != info->cost ? "_FAST" : "");
+    put(d, "%s%s", info->name, node->is_fast ? "_FAST" : "");
     if (node->array) {
         put(d, " ");
         put_variable(d, node->array);

@@ -139,6 +139,7 @@ static void fold_instruction(struct ir_node *node) {
         node->operands[i] = (struct ir_operand){0};
     node->operands[0] = result;
     node->is_fast = node->is_free = false;
+    node->call_site = NULL;
 }
 
 static void adopt(struct ir_list *into, struct ir_list *from) {

@@ -32,6 +32,7 @@ enum ir_type { IR_FLOAT, IR_BOOL, IR_STRING, IR_FIXED };
 
 struct ir_list;
 struct ir_node;
+struct call_site; /* call_sites.h */
 
 struct ir_variable {
     int id;
@@ -110,7 +111,8 @@ struct ir_node {
     int order;                     /* in the text, scratch of propagate_copies.c */
     bool is_free;                  /* loads what is in pixel memory already */
     bool is_shared;                /* of the stream that shaders run together */
-    bool is_fast;                  /* takes the fast version of a mathematical function */
+    struct call_site *call_site;   /* of a mathematical function with a fast version, else NULL */
+    bool is_fast;                  /* takes that version */
     /* if (condition) body else otherwise
      * loop: test; leave unless condition; body
      * illuminance: body once per light, for the samples it lights; the condition is of LIGHTS_AT,
@@ -133,6 +135,7 @@ struct ir_text {
     struct ir_text *next;
 };
 
+enum { CALL_SITE_BUCKETS = 1024 };
 enum { NAMED_SPACES_MAX = 64, CATEGORIES_MAX = 64, QUERIES_MAX = 64, EXPORTS_MAX = 32 };
 
 /* What lightsource("name", x) asks of lights, and what a light offers. */
@@ -181,6 +184,8 @@ struct ir_program {
     int block_count, block_capacity;
     struct shader_line_cost *line_costs;
     size_t line_cost_count, line_cost_capacity;
+    struct call_site *call_sites, *call_site_buckets[CALL_SITE_BUCKETS];
+    int call_site_count;
 };
 
 /* Floats that one value takes in the uniform block. */

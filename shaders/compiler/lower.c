@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/lower.h"
 
+#include "shaders/compiler/call_sites.h"
+
 #include <string.h>
 
 /* The variables that the program is for exist from the start, whether a shader assigns to them or
@@ -31,6 +33,7 @@ static void lower_one(struct lowering *l, const struct checked_unit *checked) {
     struct ast_function *shader = checked->unit->shader;
     struct lower_call call = {.function = shader};
     l->kind = checked->unit->kind;
+    l->file = shader->at.file;
     l->prelude = checked->prelude->functions;
     l->call = &call;
     bool changes_position = false;
@@ -57,6 +60,7 @@ struct ir_program *lower_units(struct compilation *c, const struct checked_unit 
     l->unit_count = count;
     ir->light_sets = 1;
     l->kind = ir->kind = units[main].unit->kind;
+    l->file = units[main].unit->shader->at.file;
     ir->c = c;
     ir->is_ambient = ir->kind == SHADER_KIND_LIGHT;
     ir->top = ir_list_new(ir, NULL);
@@ -70,5 +74,6 @@ struct ir_program *lower_units(struct compilation *c, const struct checked_unit 
         lower_one(l, &units[i]);
     if (ir->is_ambient)
         lower_move(l, &units[main].unit->shader->at, ir->lit, ir_bool(true));
+    call_sites_finish(l);
     return ir;
 }

@@ -52,6 +52,7 @@ struct lowering {
     int unit_count;
     struct ast_function *prelude;
     enum shader_kind kind; /* of the shader being lowered: several may make one program */
+    const char *file;      /* that it is in */
     /* Of the predefined variables, by their number in `globals`: shared by all these shaders. */
     struct ir_value *global_values[GLOBALS_MAX];
     bool global_is_assigned[GLOBALS_MAX];

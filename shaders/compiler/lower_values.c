@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/lower.h"
 
+#include "shaders/compiler/call_sites.h"
+
 const struct source_location *lower_at(struct lowering *l, const struct source_location *at) {
     return l->site ? l->site : at;
 }
@@ -31,7 +33,8 @@ struct ir_operand lower_operate(struct lowering *l, const struct source_location
                                 struct ir_operand b, struct ir_operand d) {
     struct ir_node *node = ir_node_new(l->ir, l->list, NODE_INSTRUCTION, lower_at(l, at));
     node->operation = operation;
-    node->is_fast = l->c->options && l->c->options->fast_math;
+    node->call_site = call_site_of(l, node);
+    node->is_fast = node->call_site && node->call_site->about.is_fast;
     node->operands[0] = a;
     node->operands[1] = b;
     node->operands[2] = d;

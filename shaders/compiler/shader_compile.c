@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "shaders/compiler/shader_compile.h"
 
+#include "shaders/compiler/call_sites.h"
 #include "shaders/compiler/passes.h"
 
 #include <stdlib.h>
@@ -72,6 +73,7 @@ static void finish_program(struct compilation *c, const struct ir_program *ir) {
         memcpy((void *)program->line_costs, ir->line_costs,
                ir->line_cost_count * sizeof *ir->line_costs);
     program->line_cost_count = (int)ir->line_cost_count;
+    call_sites_report(ir);
     if (c->warning_count)
         memcpy(program->warnings, c->warnings,
                (size_t)c->warning_count * sizeof *program->warnings);

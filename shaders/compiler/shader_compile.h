@@ -5,6 +5,7 @@
 #include "base/arena.h"
 #include "base/status.h"
 #include "shaders/compiler/fixed_format.h"
+#include "shaders/compiler/shader_calls.h"
 #include "shaders/compiler/shader_memory.h"
 
 #include <stdbool.h>
@@ -75,6 +76,7 @@ struct shader_parameter {
 struct shader_companion {
     const char *file, *text;
     size_t length;
+    struct shader_fast_calls fast_calls; /* in its source */
 };
 
 struct shader_compile_options {
@@ -91,6 +93,8 @@ struct shader_compile_options {
     int export_count;
     bool
         fast_math; /* the visually accurate functions of the paper, section 6.1.4, for every call */
+    struct shader_fast_calls
+        fast_calls;           /* ... for these calls; one that is not there is an error */
     int pixel_memory_bytes;   /* of the machine; 0: 256 */
     uint32_t passes_left_out; /* bit i: shader_pass_name(i) does not run, if it is optional */
     const char *dump;         /* the name of a pass whose IR is wanted in shader_program.dump */
@@ -110,6 +114,7 @@ struct shader_line_cost {
     int line, block;
     int stream, operation; /* enum shader_stream, enum simd_operation */
     uint32_t count;
+    int call_site; /* number of it when it is a function with a fast version, else -1 */
 };
 
 struct shader_program {
@@ -135,6 +140,8 @@ struct shader_program {
     struct shader_memory memory;
     const struct shader_line_cost *line_costs;
     int line_cost_count;
+    const struct shader_call_site *call_sites; /* by shader and place */
+    int call_site_count;
     const char *dump; /* of the pass that options name; NULL when none */
     /* warnings, each "file:line:column: warning: ..." with the source line and a caret */
     const char **warnings;

@@ -47,6 +47,23 @@ def test_sizes_add_up_and_offsets_follow_each_other():
             assert r["time_per_region_ps"]["exact"] == exact >= r["time_per_region_ps"]["fast"] > 0
 
 
+def test_calls_say_what_they_save():
+    with harness.Folder() as folder:
+        marble = report(folder, library("marble"))
+        calls = {c["function"]: c for c in marble["calls"]}
+        assert sorted(calls) == ["pow", "sin"] and all(c["math"] == "exact" for c in marble["calls"])
+        saved = sum(c["time_ps"]["exact"] - c["time_ps"]["fast"] for c in marble["calls"])
+        assert saved == marble["time_per_region_ps"]["exact"] - marble["time_per_region_ps"]["fast"] > 0
+        place = "%d:%d" % (calls["sin"]["line"], calls["sin"]["column"])
+        one = report(folder, library("marble"), "--fast-calls", place)
+        sine = calls["sin"]["time_ps"]
+        assert one["time_per_region_ps"]["exact"] == marble["time_per_region_ps"]["exact"] - sine["exact"] + sine["fast"]
+        code, out, err = folder.run("shader", library("marble"), "--fast-calls", "1:1")
+        assert code == 1 and "marble has: sin at 30:30, pow at 45:18" in err, err
+        code, out, err = folder.run("shader", library("marble"))
+        assert code == 0 and "Calls with a fast version" in out and place in out, out
+
+
 def test_the_tables_of_the_paper_are_met():
     with harness.Folder() as folder:
         reports = {name: report(folder, library(name)) for name in sorted(set(TABLE_4) | set(TABLE_1))}
