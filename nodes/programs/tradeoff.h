@@ -4,6 +4,7 @@
 
 #include "base/status.h"
 
+#include <cjson/cJSON.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -20,13 +21,22 @@ int tradeoff_main(int argc, char **argv);
       "dicing tolerance in pixels: triangles against silhouettes")                                 \
     X(PARAMETERS, "parameters", "--parameters", ({"float", "half"}),                               \
       "parameters on the composition network: bytes against their digits")
+#define TRADEOFF_UNWRAP(...) __VA_ARGS__
 
-enum { TRADEOFF_VALUES_MAX = 3, TRADEOFF_KNOBS_MAX = 32 };
+enum {
+    TRADEOFF_VALUES_MAX = 3,
+    TRADEOFF_KNOBS_MAX = 64,
+    TRADEOFF_FRAMES_MAX = 64, /* of a list; frames after the 64th are not judged unless asked for */
+    TRADEOFF_JUDGED_MAX = 8   /* frames that are judged unless asked for */
+};
 
-/* A knob of this run: one of the table, or the functions of one shader. */
+/* A knob of this run: one of the table, the functions of one shader, or those of one place in it.
+ */
 struct tradeoff_knob {
-    char key[80];
-    const char *option; /* NULL: `values[1]` is added to --fast-shaders */
+    char key[200];
+    const char *option; /* NULL: of functions */
+    char argument[160]; /* of functions: what --fast-shaders or --fast-calls gets */
+    int shader;         /* of a place: the knob of its shader; -1 */
     const char *values[TRADEOFF_VALUES_MAX];
     int value_count;
     const char *about;
@@ -36,13 +46,27 @@ struct tradeoff_setting {
     int choice[TRADEOFF_KNOBS_MAX]; /* value of each knob */
 };
 
+/* Frames of the scene by their place in it, from 1 on. */
+struct tradeoff_frames {
+    int numbers[TRADEOFF_FRAMES_MAX];
+    int count;
+};
+
+/* Of the worst frame; the square error is the mean of all. */
+struct tradeoff_error {
+    double max_error, psnr_db, flip_mean, flip_max, square_error;
+};
+
 struct tradeoff_result {
     struct tradeoff_setting setting;
-    int64_t time_ps, shading_ps; /* of the frames; shading: summed over the nodes */
+    int64_t time_ps, shading_ps; /* of the frames tuned on; shading: summed over the nodes */
     double bytes_per_sample;     /* on the composition network */
     int64_t map_bytes;           /* longest transfer map */
     double wall_s;
-    double max_error, psnr_db, flip_mean, flip_max, square_error;
+    struct tradeoff_error error; /* on the frames tuned on */
+    bool is_judged;
+    int64_t judged_time_ps;
+    struct tradeoff_error judged; /* on the frames that nothing was tuned on */
     bool is_on_frontier;
     char picture[64]; /* PNG, in the folder */
 };
@@ -51,30 +75,71 @@ struct tradeoff_study {
     const char *scene;
     struct tradeoff_knob knobs[TRADEOFF_KNOBS_MAX];
     int knob_count;
+    struct tradeoff_frames tuned, unseen;
     struct tradeoff_result *results; /* owned */
     size_t result_count, result_capacity;
     char identity[2048]; /* everything results depend on but the setting */
     int chosen;          /* result that the limits pick, -1: none */
 };
 
+struct tradeoff_options {
+    const char *scene, *folder;
+    double min_psnr, max_flip, max_time_ms; /* NAN: no limit */
+    long runs;                              /* at most */
+    const char *reference_samples;
+    const char *tune_frames, *judge_frames; /* lists, NULL: as it fits the scene */
+    char **forwarded;                       /* to `sortlast render` */
+    int forwarded_count;
+};
+
+/* tradeoff_frames.c: "1,3-5"; without options the first is tuned on, and others are judged. */
+bool tradeoff_choose_frames(const struct tradeoff_options *options, struct tradeoff_study *study,
+                            struct status *status);
+/* "1,3-5" again */
+void tradeoff_describe_frames(const struct tradeoff_frames *frames, char *text, size_t size);
+
+/* tradeoff_knobs.c */
+void tradeoff_add_table_knobs(struct tradeoff_study *study);
+/* Knobs for the functions of shaders and, for those with several, of places in them: `calls` are
+ * those of the summary of a run. Says on standard error for which there is no room. */
+void tradeoff_add_call_knobs(struct tradeoff_study *study, const cJSON *calls);
 /* "samples=4 parameters=half ..."; what differs from the most accurate setting, or "most accurate".
  */
 void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff_setting *setting,
                        char *text, size_t size);
+/* The options of a setting. The list is the caller's to free; it points into `study` and `text`,
+ * which is, too. */
+char **tradeoff_arguments(const struct tradeoff_study *study,
+                          const struct tradeoff_setting *setting, int *count, char **text);
 
-/* The next setting worth a run, or false: base, then each single change, then combinations that no
- * run so far dominates by prediction (times multiply, square errors add). `left` estimates how many
- * there are. */
+/* tradeoff_run.c: the pictures that errors are measured against; `summary` of the first of `frames`
+ * may be NULL. */
+bool tradeoff_make_references(const struct tradeoff_options *options,
+                              const struct tradeoff_frames *frames, cJSON **summary,
+                              struct status *status);
+/* Runs a setting on the frames to be tuned on, and adds the result. */
+bool tradeoff_run(const struct tradeoff_options *options, struct tradeoff_study *study,
+                  const struct tradeoff_setting *setting, struct status *status);
+/* Runs it on the others. */
+bool tradeoff_judge(const struct tradeoff_options *options, const struct tradeoff_study *study,
+                    struct tradeoff_result *result, struct status *status);
+
+/* tradeoff_search.c: the next setting worth a run, or false: base, then each single change (those
+ * of places after that of their shader, and only where that is not harmless), then combinations
+ * that no run so far dominates by prediction (times multiply, square errors add). `left` estimates
+ * how many there are. */
 bool tradeoff_next(const struct tradeoff_study *study, struct tradeoff_setting *setting,
                    size_t *left);
 /* Marks the results that no other is at least as good as in simulated time and square error. */
 void tradeoff_mark_frontier(struct tradeoff_study *study);
 
+/* tradeoff_files.c */
 bool tradeoff_write_json(const struct tradeoff_study *study, const char *path,
                          struct status *status);
 /* Results of an earlier run into a study whose knobs are known; other studies' files are refused.
  */
 bool tradeoff_read_json(struct tradeoff_study *study, const char *path, struct status *status);
+/* tradeoff_page.c */
 bool tradeoff_write_page(const struct tradeoff_study *study, const char *path,
                          struct status *status);
 

@@ -1,27 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "images/image_compare.h"
-#include "images/image_files.h"
 #include "nodes/programs/program_process.h"
 #include "nodes/programs/tradeoff.h"
 
-#include <cjson/cJSON.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
-
-struct tradeoff_options {
-    const char *scene, *folder;
-    double min_psnr, max_flip, max_time_ms; /* NAN: no limit */
-    long runs;                              /* at most */
-    const char *reference_samples;
-    char **forwarded; /* to `sortlast render` */
-    int forwarded_count;
-};
 
 static void print_help(void) {
     puts("usage: sortlast tradeoff [options] SCENE.rib\n"
@@ -41,26 +27,38 @@ static void print_help(void) {
             printf(" %s", list[i]);                                                                \
         printf("\n               %s\n", about);                                                    \
     }
-#define TRADEOFF_UNWRAP(...) __VA_ARGS__
     TRADEOFF_KNOBS(KNOB_HELP)
 #undef KNOB_HELP
-    puts("  math.SHADER  exact fast\n"
-         "               the functions of one shader: shading time against their digits\n"
-         "\n"
-         "  -o, --output FOLDER  tradeoff.json, index.html and pictures (default tradeoff); a "
-         "folder\n"
-         "                       with results of the same study is gone on with\n"
-         "      --min-psnr DB    choose the quickest setting with at least this PSNR\n"
-         "      --max-flip F     ... and at most this mean of FLIP\n"
-         "      --max-time MS    choose the most accurate setting that takes at most this long\n"
-         "      --reference-samples N  a pixel of the reference (default 64)\n"
-         "      --runs N         stop after N settings (default 40)\n"
-         "  -h, --help           this text\n"
-         "\n"
-         "-r, -s, --machine, --format, --frames, --composition and --shaders go to `sortlast "
-         "render`.\n"
-         "\n"
-         "exit status: 0 done, 1 no setting is within the limits or something is wrong, 2 trouble");
+    puts(
+        "  math.SHADER  exact fast\n"
+        "               the functions of one shader: shading time against their digits\n"
+        "  math.SHADER.LINE:COLUMN  exact fast\n"
+        "               those called at one place of it; looked at where a shader has several and\n"
+        "               is not as good with all of them fast\n"
+        "\n"
+        "  -o, --output FOLDER  tradeoff.json, index.html and pictures (default tradeoff); a "
+        "folder\n"
+        "                       with results of the same study is gone on with\n"
+        "      --min-psnr DB    choose the quickest setting with at least this PSNR\n"
+        "      --max-flip F     ... and at most this mean of FLIP\n"
+        "      --max-time MS    choose the most accurate setting that takes at most this long\n"
+        "      --reference-samples N  a pixel of the reference (default 64)\n"
+        "      --runs N         stop after N settings (default 40)\n"
+        "      --tune-frames F  frames of the scene to search on, like 1,3-5, counted from 1 "
+        "(default 1)\n"
+        "      --judge-frames F frames to judge on what the search found, or none; the choice has "
+        "to keep\n"
+        "                       the limits there, too (default: all others among the first 64; of "
+        "more\n"
+        "                       than 8 so many, evenly spread)\n"
+        "  -h, --help           this text\n"
+        "\n"
+        "Of several frames the worst error counts, and the sum of times; --max-time is for a frame "
+        "on average.\n"
+        "-r, -s, --machine, --format, --composition, --link and --shaders go to `sortlast "
+        "render`.\n"
+        "\n"
+        "exit status: 0 done, 1 no setting is within the limits or something is wrong, 2 trouble");
 }
 
 static bool parse_number(const char *name, const char *text, double *value, struct status *status) {
@@ -71,8 +69,8 @@ static bool parse_number(const char *name, const char *text, double *value, stru
 }
 
 static bool is_forwarded(const char *name) {
-    static const char *const names[] = {"-r",       "-s",        "--machine",    "--format",
-                                        "--frames", "--shaders", "--composition"};
+    static const char *const names[] = {"-r",     "-s",        "--machine",    "--format",
+                                        "--link", "--shaders", "--composition"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (!strcmp(name, names[i]))
             return true;
@@ -106,6 +104,10 @@ static bool parse(int argc, char **argv, struct tradeoff_options *o, struct stat
             o->folder = value;
         } else if (!strcmp(name, "--reference-samples")) {
             o->reference_samples = value;
+        } else if (!strcmp(name, "--tune-frames")) {
+            o->tune_frames = value;
+        } else if (!strcmp(name, "--judge-frames")) {
+            o->judge_frames = value;
         } else if (!strcmp(name, "--min-psnr")) {
             if (!parse_number(name, value, &o->min_psnr, status))
                 return false;
@@ -128,212 +130,16 @@ static bool parse(int argc, char **argv, struct tradeoff_options *o, struct stat
     return o->scene || status_fail(status, STATUS_INVALID, "no scene is given");
 }
 
-/* Runs `sortlast render` with these arguments, quietly; its JSON goes to a file. */
-static bool run_render(char **arguments, struct status *status) {
-    fflush(NULL);
-    const pid_t child = fork();
-    if (!child) {
-        program_signals_reset();
-        execv("/proc/self/exe", arguments);
-        _exit(2);
-    }
-    int result = -1;
-    while (child > 0 && waitpid(child, &result, 0) < 0 && errno == EINTR)
-        ;
-    if (program_stop)
-        return status_fail(status, STATUS_LOST, "interrupted; run it again to go on");
-    return (WIFEXITED(result) && !WEXITSTATUS(result)) ||
-           status_fail(status, STATUS_INVALID, "a run of the scene failed");
+static bool is_within(const struct tradeoff_options *o, const struct tradeoff_error *error,
+                      int64_t time_ps, int frames) {
+    return !(error->psnr_db < o->min_psnr || error->flip_mean > o->max_flip ||
+             (double)time_ps * 1e-9 > o->max_time_ms * frames);
 }
 
-static cJSON *read_json(const char *path) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *file = fopen(path, "rb"), *memory = open_memstream(&text, &size);
-    char block[4096];
-    for (size_t got; file && (got = fread(block, 1, sizeof block, file)) > 0;)
-        fwrite(block, 1, got, memory);
-    fclose(memory);
-    if (file)
-        fclose(file);
-    cJSON *document = cJSON_Parse(text);
-    free(text);
-    return document;
-}
-
-/* Renders into FOLDER/NAME.exr (the first frame, however many are timed), .png and .json. */
-static bool render(const struct tradeoff_options *o, const char *name, char **more, int more_count,
-                   cJSON **summary, struct status *status) {
-    char picture[4096], json[4096];
-    char **list = memory_get((size_t)(o->forwarded_count + more_count) + 16, sizeof *list);
-    int count = 0;
-    snprintf(picture, sizeof picture, "%s/%s.exr", o->folder, name);
-    snprintf(json, sizeof json, "%s/run.json", o->folder);
-    const char *own[] = {
-        "sortlast", "render",        "--quiet", "--driver", "in-process", "--frames", "1",
-        "--png",    "--compression", "rle",     "-o",       picture,      "--json",   json};
-    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
-        list[count++] = (char *)own[i];
-    for (int i = 0; i < o->forwarded_count; i++)
-        list[count++] = o->forwarded[i];
-    for (int i = 0; i < more_count; i++)
-        list[count++] = more[i];
-    list[count++] = (char *)o->scene;
-    bool ok = run_render(list, status);
-    *summary = ok ? read_json(json) : NULL;
-    ok = ok && (*summary || status_fail(status, STATUS_IO, "cannot read %s", json));
-    unlink(json);
-    free(list);
-    return ok;
-}
-
-static double json_sum(const cJSON *array) {
-    const cJSON *item;
-    double sum = 0;
-    cJSON_ArrayForEach(item, array) sum += item->valuedouble;
-    return sum;
-}
-
-static void read_costs(const cJSON *summary, struct tradeoff_result *result) {
-    const cJSON *frame, *instance;
-    double bytes = 0, samples = 0;
-    cJSON_ArrayForEach(frame, cJSON_GetObjectItem(summary, "frames")) {
-        const cJSON *composition = cJSON_GetObjectItem(frame, "composition");
-        result->time_ps += (int64_t)cJSON_GetNumberValue(cJSON_GetObjectItem(frame, "time_ps"));
-        result->shading_ps += (int64_t)json_sum(cJSON_GetObjectItem(frame, "shading_busy_ps"));
-        bytes += cJSON_GetNumberValue(
-            cJSON_GetObjectItem(cJSON_GetObjectItem(composition, "bytes"), "total"));
-        samples += cJSON_GetNumberValue(cJSON_GetObjectItem(frame, "samples_covered"));
-    }
-    result->bytes_per_sample = samples > 0 ? bytes / samples : 0;
-    cJSON_ArrayForEach(instance, cJSON_GetObjectItem(summary, "instances")) {
-        const int64_t map =
-            (int64_t)cJSON_GetNumberValue(cJSON_GetObjectItem(instance, "transfer_map_bytes"));
-        result->map_bytes = map > result->map_bytes ? map : result->map_bytes;
-    }
-    result->wall_s = cJSON_GetNumberValue(cJSON_GetObjectItem(summary, "wall_s"));
-}
-
-static bool judge(const struct tradeoff_options *o, const char *name,
-                  struct tradeoff_result *result, struct status *status) {
-    char paths[2][4096];
-    struct image *images[2] = {NULL, NULL};
-    struct image_difference difference = {0};
-    snprintf(paths[0], sizeof paths[0], "%s/reference.exr", o->folder);
-    snprintf(paths[1], sizeof paths[1], "%s/%s.exr", o->folder, name);
-    const struct image_compare_options options = {.only = "R,G,B"};
-    bool ok = image_read(paths[0], &images[0], status) &&
-              image_read(paths[1], &images[1], status) &&
-              image_compare(images[0], images[1], &options, &difference, status);
-    if (ok && image_measures_not_finite(&difference.overall))
-        ok = status_fail(status, STATUS_INVALID, "the picture or the reference is not finite");
-    if (ok) {
-        result->max_error = difference.overall.max_error;
-        result->psnr_db = difference.overall.psnr_db;
-        result->square_error = difference.overall.rmse * difference.overall.rmse;
-        result->flip_mean = difference.flip.mean;
-        result->flip_max = difference.flip.max;
-    }
-    image_difference_finish(&difference);
-    image_destroy(images[0]);
-    image_destroy(images[1]);
-    unlink(paths[1]);
-    return ok;
-}
-
-/* The options of a setting; `fast` receives the shaders with fast functions. */
-static int setting_arguments(const struct tradeoff_study *study,
-                             const struct tradeoff_setting *setting, char *fast, size_t fast_size,
-                             char **arguments) {
-    int count = 0;
-    size_t used = 0;
-    fast[0] = 0;
-    for (int k = 0; k < study->knob_count; k++) {
-        const struct tradeoff_knob *knob = &study->knobs[k];
-        if (knob->option) {
-            arguments[count++] = (char *)knob->option;
-            arguments[count++] = (char *)knob->values[setting->choice[k]];
-        } else if (setting->choice[k] && used < fast_size) {
-            used += (size_t)snprintf(fast + used, fast_size - used, "%s%s", used ? "," : "",
-                                     knob->key + strlen("math."));
-        }
-    }
-    if (used) {
-        arguments[count++] = (char *)"--fast-shaders";
-        arguments[count++] = fast;
-    }
-    return count;
-}
-
-static bool run_setting(const struct tradeoff_options *o, struct tradeoff_study *study,
-                        const struct tradeoff_setting *setting, struct status *status) {
-    char fast[TRADEOFF_KNOBS_MAX * 80], name[32];
-    char *arguments[2 * TRADEOFF_KNOBS_MAX + 2];
-    struct tradeoff_result result = {.setting = *setting};
-    cJSON *summary = NULL;
-    const int count = setting_arguments(study, setting, fast, sizeof fast, arguments);
-    snprintf(name, sizeof name, "setting-%03zu", study->result_count);
-    snprintf(result.picture, sizeof result.picture, "%s.png", name);
-    bool ok = render(o, name, arguments, count, &summary, status);
-    if (ok)
-        read_costs(summary, &result);
-    cJSON_Delete(summary);
-    ok = ok && judge(o, name, &result, status);
-    if (!ok)
-        return false;
-    study->results = memory_grow(study->results, &study->result_capacity, study->result_count + 1,
-                                 sizeof *study->results);
-    study->results[study->result_count++] = result;
-    return true;
-}
-
-/* A knob for the functions of a shader; `name` may have the number of an instance after a dot. */
-static void add_math_knob(struct tradeoff_study *study, const char *name) {
-    struct tradeoff_knob knob = {
-        .values = {"exact", "fast"}, .value_count = 2, .about = "functions of one shader"};
-    if (!name || study->knob_count == TRADEOFF_KNOBS_MAX)
-        return;
-    snprintf(knob.key, sizeof knob.key, "math.%.*s", (int)strcspn(name, "."), name);
-    for (int k = 0; k < study->knob_count; k++)
-        if (!strcmp(study->knobs[k].key, knob.key))
-            return;
-    study->knobs[study->knob_count++] = knob;
-}
-
-/* The reference, and a knob for the functions of each shader that it ran. */
-static bool make_reference(const struct tradeoff_options *o, struct tradeoff_study *study,
-                           struct status *status) {
-    char *arguments[] = {(char *)"--math",        (char *)"reference",
-                         (char *)"--samples",     (char *)o->reference_samples,
-                         (char *)"--chord",       (char *)"0.02",
-                         (char *)"--explain-work"};
-    cJSON *summary;
-    if (!render(o, "reference", arguments, sizeof arguments / sizeof *arguments, &summary, status))
-        return false;
-    const cJSON *work =
-        cJSON_GetObjectItem(cJSON_GetArrayItem(cJSON_GetObjectItem(summary, "frames"), 0), "work");
-    const cJSON *entry;
-    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(summary, "instances"))
-        add_math_knob(study, cJSON_GetStringValue(cJSON_GetObjectItem(entry, "shader")));
-    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(work, "lights"))
-        add_math_knob(study, cJSON_GetStringValue(cJSON_GetObjectItem(entry, "name")));
-    cJSON_Delete(summary);
-    return true;
-}
-
-static void add_table_knobs(struct tradeoff_study *study) {
-#define KNOB_ADD(name, key_text, option_text, value_list, about_text)                              \
-    {                                                                                              \
-        static const char *const list[] = TRADEOFF_UNWRAP value_list;                              \
-        struct tradeoff_knob *knob = &study->knobs[study->knob_count++];                           \
-        snprintf(knob->key, sizeof knob->key, "%s", key_text);                                     \
-        knob->option = option_text;                                                                \
-        knob->about = about_text;                                                                  \
-        knob->value_count = (int)(sizeof list / sizeof *list);                                     \
-        memcpy(knob->values, list, sizeof list);                                                   \
-    }
-    TRADEOFF_KNOBS(KNOB_ADD)
-#undef KNOB_ADD
+/* Whether frames that nothing was tuned on speak against it, as far as is known. */
+static bool is_refused(const struct tradeoff_options *o, const struct tradeoff_study *study,
+                       const struct tradeoff_result *r) {
+    return r->is_judged && !is_within(o, &r->judged, r->judged_time_ps, study->unseen.count);
 }
 
 /* The quickest within the limits of error, or with a limit of time the most accurate. */
@@ -343,11 +149,10 @@ static void choose(const struct tradeoff_options *o, struct tradeoff_study *stud
         const struct tradeoff_result *r = &study->results[i],
                                      *best =
                                          study->chosen < 0 ? NULL : &study->results[study->chosen];
-        if (r->psnr_db < o->min_psnr || r->flip_mean > o->max_flip ||
-            (double)r->time_ps * 1e-9 > o->max_time_ms)
+        if (!is_within(o, &r->error, r->time_ps, study->tuned.count) || is_refused(o, study, r))
             continue;
         if (!best || (isnan(o->max_time_ms) ? r->time_ps < best->time_ps
-                                            : r->square_error < best->square_error))
+                                            : r->error.square_error < best->error.square_error))
             study->chosen = (int)i;
     }
 }
@@ -364,19 +169,31 @@ static void show_progress(const struct tradeoff_study *study, size_t left, long 
 
 static void print_results(const struct tradeoff_study *study) {
     const struct tradeoff_result *base = &study->results[0];
-    printf("%s: %zu settings\n", study->scene, study->result_count);
-    printf("  time ms  shading ms  speed-up  bytes/sample   PSNR dB  FLIP mean  setting\n");
+    char tuned[512], judged[512];
+    tradeoff_describe_frames(&study->tuned, tuned, sizeof tuned);
+    tradeoff_describe_frames(&study->unseen, judged, sizeof judged);
+    const bool has_judged = study->unseen.count > 0;
+    printf("%s: %zu settings", study->scene, study->result_count);
+    if (has_judged)
+        printf(", tuned on frame %s, judged on frame %s", tuned, judged);
+    printf("\n  time ms  shading ms  speed-up  bytes/sample   PSNR dB  FLIP mean%s  setting\n",
+           has_judged ? "  judged: PSNR dB  FLIP mean" : "");
     for (size_t i = 0; i < study->result_count; i++) {
         const struct tradeoff_result *r = &study->results[i];
-        char text[512];
+        char text[512], unseen[64] = "";
         if (!r->is_on_frontier && (int)i != study->chosen)
             continue;
         tradeoff_describe(study, &r->setting, text, sizeof text);
-        printf("%s%8.3f  %10.3f  %8.2f  %12.2f  %8.2f  %9.5f  %s\n",
+        if (r->is_judged)
+            snprintf(unseen, sizeof unseen, "  %15.2f  %9.5f", r->judged.psnr_db,
+                     r->judged.flip_mean);
+        else if (has_judged)
+            snprintf(unseen, sizeof unseen, "  %15s  %9s", "-", "-");
+        printf("%s%8.3f  %10.3f  %8.2f  %12.2f  %8.2f  %9.5f%s  %s\n",
                (int)i == study->chosen ? "*" : " ", (double)r->time_ps * 1e-9,
                (double)r->shading_ps * 1e-9,
                (double)base->shading_ps / fmax((double)r->shading_ps, 1), r->bytes_per_sample,
-               r->psnr_db, r->flip_mean, text);
+               r->error.psnr_db, r->error.flip_mean, unseen, text);
     }
     printf("  (speed-up: of shading, against the most accurate setting; * chosen)\n");
 }
@@ -387,20 +204,50 @@ static double now_s(void) {
     return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
 }
 
-static bool explore(const struct tradeoff_options *o, struct tradeoff_study *study,
-                    struct status *status) {
-    char json[4096], page[4096];
-    snprintf(json, sizeof json, "%s/tradeoff.json", o->folder);
-    snprintf(page, sizeof page, "%s/index.html", o->folder);
-    add_table_knobs(study);
-    if (!make_reference(o, study, status) || !tradeoff_read_json(study, json, status))
+static bool judge_one(const struct tradeoff_options *o, struct tradeoff_study *study, int number,
+                      const char *json, struct status *status) {
+    struct tradeoff_result *result = &study->results[number];
+    char text[512];
+    if (result->is_judged)
+        return true;
+    tradeoff_describe(study, &result->setting, text, sizeof text);
+    fprintf(stderr, "tradeoff: judging %s\n", text);
+    if (!tradeoff_judge(o, study, result, status))
         return false;
+    if (is_within(o, &result->error, result->time_ps, study->tuned.count) &&
+        is_refused(o, study, result))
+        printf("within the limits on the frames tuned on, and not on those judged on (PSNR %.2f "
+               "dB, FLIP mean %.5f, %.3f ms a frame): %s\n",
+               result->judged.psnr_db, result->judged.flip_mean,
+               (double)result->judged_time_ps * 1e-9 / study->unseen.count, text);
+    return tradeoff_write_json(study, json, status);
+}
+
+/* Judges what would be chosen, until one keeps the limits on unseen frames, and the frontier. */
+static bool judge_results(const struct tradeoff_options *o, struct tradeoff_study *study,
+                          const char *json, struct status *status) {
+    if (!study->unseen.count)
+        return true;
+    if (!tradeoff_make_references(o, &study->unseen, NULL, status))
+        return false;
+    for (; study->chosen >= 0 && !study->results[study->chosen].is_judged; choose(o, study))
+        if (!judge_one(o, study, study->chosen, json, status))
+            return false;
+    for (size_t i = 0; i < study->result_count; i++)
+        if (study->results[i].is_on_frontier && !judge_one(o, study, (int)i, json, status))
+            return false;
+    choose(o, study);
+    return true;
+}
+
+static bool search(const struct tradeoff_options *o, struct tradeoff_study *study, const char *json,
+                   struct status *status) {
     struct tradeoff_setting setting;
     size_t left, done_here = 0;
     const double begin = now_s();
     while ((long)study->result_count < o->runs && tradeoff_next(study, &setting, &left)) {
         show_progress(study, left, o->runs, now_s() - begin, done_here);
-        if (!run_setting(o, study, &setting, status))
+        if (!tradeoff_run(o, study, &setting, status))
             return false;
         done_here++;
         tradeoff_mark_frontier(study);
@@ -410,7 +257,35 @@ static bool explore(const struct tradeoff_options *o, struct tradeoff_study *stu
     }
     tradeoff_mark_frontier(study);
     choose(o, study);
-    return tradeoff_write_json(study, json, status) && tradeoff_write_page(study, page, status);
+    return true;
+}
+
+static bool explore(const struct tradeoff_options *o, struct tradeoff_study *study,
+                    struct status *status) {
+    char json[4096], page[4096];
+    cJSON *summary = NULL;
+    snprintf(json, sizeof json, "%s/tradeoff.json", o->folder);
+    snprintf(page, sizeof page, "%s/index.html", o->folder);
+    tradeoff_add_table_knobs(study);
+    if (!tradeoff_make_references(o, &study->tuned, &summary, status))
+        return false;
+    tradeoff_add_call_knobs(study, cJSON_GetObjectItem(summary, "calls"));
+    cJSON_Delete(summary);
+    return tradeoff_read_json(study, json, status) && search(o, study, json, status) &&
+           judge_results(o, study, json, status) && tradeoff_write_json(study, json, status) &&
+           tradeoff_write_page(study, page, status);
+}
+
+/* Everything that results depend on but the setting. */
+static void make_identity(const struct tradeoff_options *o, struct tradeoff_study *study) {
+    char tuned[512], judged[512];
+    const size_t size = sizeof study->identity;
+    tradeoff_describe_frames(&study->tuned, tuned, sizeof tuned);
+    tradeoff_describe_frames(&study->unseen, judged, sizeof judged);
+    size_t used = (size_t)snprintf(study->identity, size, "%s, %s samples, frame %s, judged on %s",
+                                   o->scene, o->reference_samples, tuned, judged);
+    for (int i = 0; i < o->forwarded_count && used < size; i++)
+        used += (size_t)snprintf(study->identity + used, size - used, " %s", o->forwarded[i]);
 }
 
 int tradeoff_main(int argc, char **argv) {
@@ -427,12 +302,8 @@ int tradeoff_main(int argc, char **argv) {
     if (ok && mkdir(options.folder, 0777) && errno != EEXIST)
         ok = status_fail(&status, STATUS_IO, "cannot make the folder %s: %s", options.folder,
                          strerror(errno));
-    if (ok) {
-        size_t used = (size_t)snprintf(study.identity, sizeof study.identity, "%s, %s samples",
-                                       options.scene, options.reference_samples);
-        for (int i = 0; i < options.forwarded_count && used < sizeof study.identity; i++)
-            used += (size_t)snprintf(study.identity + used, sizeof study.identity - used, " %s",
-                                     options.forwarded[i]);
+    if (ok && (ok = tradeoff_choose_frames(&options, &study, &status))) {
+        make_identity(&options, &study);
         study.scene = options.scene;
         ok = explore(&options, &study, &status);
     }

@@ -6,6 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void add_error(cJSON *object, const struct tradeoff_error *error) {
+    cJSON_AddNumberToObject(object, "max_error", error->max_error);
+    if (isfinite(error->psnr_db))
+        cJSON_AddNumberToObject(object, "psnr_db", error->psnr_db);
+    else
+        cJSON_AddNullToObject(object, "psnr_db");
+    cJSON_AddNumberToObject(object, "square_error", error->square_error);
+    cJSON_AddNumberToObject(object, "flip_mean", error->flip_mean);
+    cJSON_AddNumberToObject(object, "flip_max", error->flip_max);
+}
+
+static void add_frames(cJSON *object, const char *key, const struct tradeoff_frames *frames) {
+    cJSON_AddItemToObject(object, key, cJSON_CreateIntArray(frames->numbers, frames->count));
+}
+
 static cJSON *result_json(const struct tradeoff_study *study,
                           const struct tradeoff_result *result) {
     cJSON *object = cJSON_CreateObject(), *setting = cJSON_AddObjectToObject(object, "setting");
@@ -17,14 +32,14 @@ static cJSON *result_json(const struct tradeoff_study *study,
     cJSON_AddNumberToObject(object, "bytes_per_sample", result->bytes_per_sample);
     json_add_whole(object, "transfer_map_bytes", result->map_bytes);
     cJSON_AddNumberToObject(object, "wall_s", result->wall_s);
-    cJSON_AddNumberToObject(object, "max_error", result->max_error);
-    if (isfinite(result->psnr_db))
-        cJSON_AddNumberToObject(object, "psnr_db", result->psnr_db);
-    else
-        cJSON_AddNullToObject(object, "psnr_db");
-    cJSON_AddNumberToObject(object, "square_error", result->square_error);
-    cJSON_AddNumberToObject(object, "flip_mean", result->flip_mean);
-    cJSON_AddNumberToObject(object, "flip_max", result->flip_max);
+    add_error(object, &result->error);
+    if (result->is_judged) {
+        cJSON *judged = cJSON_AddObjectToObject(object, "judged");
+        json_add_whole(judged, "time_ps", result->judged_time_ps);
+        add_error(judged, &result->judged);
+    } else {
+        cJSON_AddNullToObject(object, "judged");
+    }
     cJSON_AddBoolToObject(object, "on_frontier", result->is_on_frontier);
     cJSON_AddStringToObject(object, "picture", result->picture);
     return object;
@@ -35,6 +50,8 @@ bool tradeoff_write_json(const struct tradeoff_study *study, const char *path,
     cJSON *document = cJSON_CreateObject();
     cJSON_AddStringToObject(document, "scene", study->scene);
     cJSON_AddStringToObject(document, "identity", study->identity);
+    add_frames(document, "tune_frames", &study->tuned);
+    add_frames(document, "judge_frames", &study->unseen);
     cJSON *knobs = cJSON_AddArrayToObject(document, "knobs");
     for (int k = 0; k < study->knob_count; k++) {
         cJSON *knob = cJSON_CreateObject();
@@ -62,6 +79,14 @@ static double number_of(const cJSON *object, const char *key, double missing) {
     return cJSON_IsNumber(item) ? item->valuedouble : missing;
 }
 
+static void read_error(const cJSON *object, struct tradeoff_error *error) {
+    error->max_error = number_of(object, "max_error", 0);
+    error->psnr_db = number_of(object, "psnr_db", INFINITY);
+    error->square_error = number_of(object, "square_error", 0);
+    error->flip_mean = number_of(object, "flip_mean", 0);
+    error->flip_max = number_of(object, "flip_max", 0);
+}
+
 /* False when the setting names a value that this study does not have. */
 static bool read_result(const struct tradeoff_study *study, const cJSON *object,
                         struct tradeoff_result *result) {
@@ -85,11 +110,13 @@ static bool read_result(const struct tradeoff_study *study, const cJSON *object,
     result->bytes_per_sample = number_of(object, "bytes_per_sample", 0);
     result->map_bytes = (int64_t)number_of(object, "transfer_map_bytes", 0);
     result->wall_s = number_of(object, "wall_s", 0);
-    result->max_error = number_of(object, "max_error", 0);
-    result->psnr_db = number_of(object, "psnr_db", INFINITY);
-    result->square_error = number_of(object, "square_error", 0);
-    result->flip_mean = number_of(object, "flip_mean", 0);
-    result->flip_max = number_of(object, "flip_max", 0);
+    read_error(object, &result->error);
+    const cJSON *judged = cJSON_GetObjectItemCaseSensitive(object, "judged");
+    result->is_judged = cJSON_IsObject(judged);
+    if (result->is_judged) {
+        result->judged_time_ps = (int64_t)number_of(judged, "time_ps", 0);
+        read_error(judged, &result->judged);
+    }
     return result->time_ps > 0;
 }
 
@@ -121,81 +148,4 @@ bool tradeoff_read_json(struct tradeoff_study *study, const char *path, struct s
     cJSON_Delete(document);
     return is_ours || status_fail(status, STATUS_INVALID,
                                   "%s holds another study; choose another folder with -o", path);
-}
-
-/* ---- the page ---- */
-
-static void put_escaped(FILE *out, const char *text) {
-    for (; *text; text++)
-        *text == '<' ? fputs("&lt;", out) : *text == '&' ? fputs("&amp;", out) : fputc(*text, out);
-}
-
-/* Time against PSNR, both as they are; the frontier is joined. */
-static void put_plot(FILE *out, const struct tradeoff_study *study) {
-    enum { WIDTH = 760, HEIGHT = 380, EDGE = 50 };
-    double longest = 1, low = 200, high = 0;
-    for (size_t i = 0; i < study->result_count; i++) {
-        const struct tradeoff_result *r = &study->results[i];
-        const double psnr = fmin(r->psnr_db, 200);
-        longest = fmax(longest, (double)r->time_ps);
-        low = fmin(low, psnr);
-        high = fmax(high, psnr);
-    }
-    fprintf(out, "<svg width=\"%d\" height=\"%d\" font-size=\"12\">\n", WIDTH, HEIGHT);
-    fprintf(out, "<text x=\"%d\" y=\"%d\">simulated time, 0 to %.3f ms</text>\n", WIDTH / 3,
-            HEIGHT - 10, longest * 1e-9);
-    fprintf(out, "<text x=\"5\" y=\"15\">PSNR, %.1f to %.1f dB</text>\n", low, high);
-    fprintf(out,
-            "<rect x=\"%d\" y=\"20\" width=\"%d\" height=\"%d\" fill=\"none\" "
-            "stroke=\"#999\"/>\n",
-            EDGE, WIDTH - EDGE - 10, HEIGHT - 70);
-    for (size_t i = 0; i < study->result_count; i++) {
-        const struct tradeoff_result *r = &study->results[i];
-        const double x = EDGE + (double)r->time_ps / longest * (WIDTH - EDGE - 20);
-        const double y =
-            30 + (high - fmin(r->psnr_db, 200)) / fmax(high - low, 1e-9) * (HEIGHT - 90);
-        char text[512];
-        tradeoff_describe(study, &r->setting, text, sizeof text);
-        fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%d\" fill=\"%s\"><title>", x, y,
-                r->is_on_frontier ? 6 : 4,
-                (int)i == study->chosen ? "#d40"
-                : r->is_on_frontier     ? "#06c"
-                                        : "#bbb");
-        put_escaped(out, text);
-        fprintf(out, "</title></circle>\n");
-    }
-    fprintf(out, "</svg>\n");
-}
-
-bool tradeoff_write_page(const struct tradeoff_study *study, const char *path,
-                         struct status *status) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    fprintf(out,
-            "<!DOCTYPE html>\n<meta charset=\"utf-8\"><title>Speed for accuracy</title>\n<h1>");
-    put_escaped(out, study->scene);
-    fprintf(out, "</h1>\n<p>Blue: no other setting is both quicker and more accurate. Orange: "
-                 "chosen. Errors are against the reference in double precision.</p>\n");
-    put_plot(out, study);
-    fprintf(out, "<table cellpadding=\"4\">\n<tr><th>picture<th>setting<th>time, ms<th>shading, "
-                 "ms<th>bytes a sample<th>map, bytes<th>PSNR, dB<th>FLIP mean<th>largest "
-                 "error<th>wall, s\n");
-    for (size_t i = 0; i < study->result_count; i++) {
-        const struct tradeoff_result *r = &study->results[i];
-        char setting[512];
-        if (!r->is_on_frontier && (int)i != study->chosen)
-            continue;
-        tradeoff_describe(study, &r->setting, setting, sizeof setting);
-        fprintf(out, "<tr%s><td><img src=\"%s\" width=\"160\" alt=\"\"><td>",
-                (int)i == study->chosen ? " style=\"background:#fe8\"" : "", r->picture);
-        put_escaped(out, setting);
-        fprintf(out, "<td>%.3f<td>%.3f<td>%.2f<td>%lld<td>%.2f<td>%.5f<td>%.4f<td>%.2f\n",
-                (double)r->time_ps * 1e-9, (double)r->shading_ps * 1e-9, r->bytes_per_sample,
-                (long long)r->map_bytes, r->psnr_db, r->flip_mean, r->max_error, r->wall_s);
-    }
-    fprintf(out, "</table>\n");
-    const bool ok = !fclose(out) && text_write_file(path, text, "the page", status);
-    free(text);
-    return ok;
 }

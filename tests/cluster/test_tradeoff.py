@@ -53,12 +53,15 @@ def test_the_frontier_is_what_no_other_setting_beats_and_its_numbers_can_be_had_
         assert chosen["time_ps"] < base["time_ps"]
         # a run by hand says the same
         setting = chosen["setting"]
-        fast = ",".join(name[5:] for name, value in setting.items() if name.startswith("math.") and value == "fast")
+        fast = ",".join(name[5:] for name, value in setting.items() if name in ("math.marble", "math.plastic") and
+                        value == "fast")
+        calls = ",".join("marble:" + name[12:] for name, value in setting.items() if name.startswith("math.marble.") and
+                         value == "fast")
         arguments = ["--samples", setting["samples"], "--chord", setting["chord"], "--parameters", setting["parameters"]]
         summary = folder.render(folder.file("scene.rib"), "--driver", "in-process", "-o", folder.file("again.exr"),
-                                *arguments, *(["--fast-shaders", fast] if fast else []))
+                                *arguments, *(["--fast-shaders", fast] if fast else []), *(["--fast-calls", calls] if calls else []))
         assert summary["frames"][0]["time_ps"] == chosen["time_ps"]
-        code, out, err = folder.run("compare", folder.file("study/reference.exr"), folder.file("again.exr"), "--only",
+        code, out, err = folder.run("compare", folder.file("study/reference-0001.exr"), folder.file("again.exr"), "--only",
                                     "R,G,B", "--json", "-")
         assert abs(json.loads(out)["psnr_db"] - chosen["psnr_db"]) < 1e-6
         # the page shows the frontier, each with its picture
@@ -127,6 +130,89 @@ def test_fast_functions_of_one_shader_leave_the_others_exact():
                     assert one[channel][row][column] == wanted[channel][row][column]
                 differing += exact["R"][row][column] != one["R"][row][column]
         assert differing > 0
+
+
+ANIMATED = """Format 64 32 1
+FrameBegin 1
+Projection "perspective" "fov" [60]
+WorldBegin
+LightSource "distant" 1
+Translate 0 0 4
+Surface "plastic" "roughness" [0.5]
+Sphere 1.5 -1.5 1.5 360
+WorldEnd
+FrameEnd
+FrameBegin 2
+Projection "perspective" "fov" [60]
+WorldBegin
+LightSource "distant" 1
+Translate 0 0 4
+Surface "plastic" "roughness" [0.004]
+Sphere 1.5 -1.5 1.5 360
+WorldEnd
+FrameEnd
+"""
+
+
+def test_a_choice_is_judged_on_frames_that_had_no_part_in_it():
+    """Fast powers are harmless for the wide highlight of frame 1 and visible in the narrow one of frame 2."""
+    with harness.Folder() as folder:
+        scene = folder.write("animated.rib", ANIMATED)
+
+        def study(name, *arguments):
+            code, out, err = folder.run("tradeoff", scene, "-o", folder.file(name), "--reference-samples", "4",
+                                        *arguments, timeout=400)
+            with open(folder.file(name + "/tradeoff.json")) as file:
+                return code, out, err, json.load(file)
+
+        code, out, err, both = study("one", "--runs", "1", "--min-psnr", "10")
+        assert code == 0, err
+        assert (both["tune_frames"], both["judge_frames"]) == ([1], [2])
+        base = both["results"][0]
+        # frame 2 by itself says what the judge says
+        folder.render(scene, "--driver", "in-process", "--skip", "1", "--frames", "1", "--samples", "16", "-o",
+                      folder.file("again.exr"))
+        code, out, err = folder.run("compare", folder.file("one/reference-0002.exr"), folder.file("again.exr"), "--only",
+                                    "R,G,B", "--json", "-")
+        assert abs(json.loads(out)["psnr_db"] - base["judged"]["psnr_db"]) < 1e-6
+        code, out, err, none = study("none", "--runs", "1", "--judge-frames", "none")
+        assert code == 0 and none["results"][0]["judged"] is None and none["judge_frames"] == [], err
+        # a limit that only the base keeps on both frames: what is quicker on frame 1 is refused for frame 2
+        code, out, err, all_runs = study("two", "--runs", "4")
+        limit = min(base["psnr_db"], base["judged"]["psnr_db"]) - 0.01
+        code, out, err, chosen = study("two", "--runs", "4", "--min-psnr", str(limit))
+        assert code == 0, err
+        picked = chosen["results"][chosen["chosen"]]
+        assert picked["judged"]["psnr_db"] >= limit and picked["psnr_db"] >= limit
+        for r in chosen["results"]:
+            if r["psnr_db"] >= limit and r["time_ps"] < picked["time_ps"]:
+                assert r["judged"]["psnr_db"] < limit, r["setting"]
+        for frames in [["--judge-frames", "1"], ["--judge-frames", "3"], ["--tune-frames", "2-1"], ["--tune-frames", "x"]]:
+            code, out, err = folder.run("tradeoff", scene, "-o", folder.file("bad"), *frames)
+            assert code == 1 and ("frame" in err), err
+
+
+def test_one_call_of_a_shader_is_fast_and_the_other_exact():
+    with harness.Folder() as folder:
+        scene = folder.write("scene.rib", SCENE)
+
+        def render(name, *arguments):
+            summary = folder.render(scene, "--driver", "in-process", "-o", folder.file(name + ".exr"), "--compression",
+                                    "none", *arguments)
+            return summary, harness.read_exr(folder.file(name + ".exr"))
+        exact, _ = render("exact")
+        places = ["%s:%d:%d" % (c["shader"], c["line"], c["column"]) for c in exact["calls"] if c["shader"] == "marble"]
+        assert [c["function"] for c in exact["calls"] if c["shader"] == "marble"] == ["sin", "pow"], exact["calls"]
+        shader, all_fast = render("shader", "--fast-shaders", "marble")
+        both, one_by_one = render("both", "--fast-calls", ",".join(places))
+        assert one_by_one == all_fast and both["frames"][0]["time_ps"] == shader["frames"][0]["time_ps"]
+        one, _ = render("one", "--fast-calls", places[0])
+        assert shader["frames"][0]["time_ps"] < one["frames"][0]["time_ps"] < exact["frames"][0]["time_ps"]
+        assert [c["math"] for c in one["calls"] if c["shader"] == "marble"] == ["fast", "exact"]
+        for bad, words in [("marble:1:2", "marble has: sin at 30:30, pow at 45:18"), ("marble:30", "SHADER:LINE:COLUMN"),
+                           ("30:30", "SHADER:LINE:COLUMN"), ("marble:0:1", "SHADER:LINE:COLUMN")]:
+            code, out, err = folder.run("render", scene, "--fast-calls", bad)
+            assert code != 0 and words in err, err
 
 
 if __name__ == "__main__":
