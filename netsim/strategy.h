@@ -46,7 +46,10 @@ struct strategy_times {
     ticks begin, end; /* of the transfer over the first link, at its sender */
     ticks arrival;    /* all of it, composed, at its shading node */
     ticks busy;       /* by how much this region occupies the busiest link */
-    ticks *released;  /* [work_count], the caller's array: that node's region buffer is free */
+    /* Words on the network: into the shading node, and all that rendering nodes send, to each other
+     * and to it. They saturate as times do. */
+    int64_t arriving_words, sent_words;
+    ticks *released; /* [work_count], the caller's array: that node's region buffer is free */
     enum strategy_hold hold;
     uint32_t holder;
 };

@@ -9,6 +9,7 @@
  * link stands for all. */
 struct chain {
     uint32_t rendering_nodes;
+    int64_t samples; /* of a region */
     ticks link_free; /* first link, at its sender's end */
     ticks way[];     /* from the first node to rendering node i; at r + j to shading node j */
 };
@@ -18,6 +19,7 @@ static void *chain_create(const struct machine *machine, uint32_t rendering_node
     const size_t places = (size_t)rendering_nodes + shading_nodes;
     struct chain *chain = memory_get(1, sizeof *chain + places * sizeof *chain->way);
     chain->rendering_nodes = rendering_nodes;
+    chain->samples = machine_region_samples(machine);
     for (size_t i = 0; i < places; i++)
         chain->way[i] = ticks_multiply(machine->composition_hop, (int64_t)i);
     return chain;
@@ -65,6 +67,8 @@ static void chain_compose(void *state, const struct strategy_region *region,
     times->end = end;
     times->arrival = ticks_add(end, last);
     times->busy = region->transfer;
+    times->arriving_words = region->words ? ticks_multiply(chain->samples, region->words) : 1;
+    times->sent_words = ticks_multiply(times->arriving_words, chain->rendering_nodes);
 }
 
 const struct strategy strategy_chain = {

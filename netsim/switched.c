@@ -23,7 +23,8 @@ struct switched {
     uint32_t rendering_nodes, shading_nodes, frame;
     struct port *out, *in; /* rendering nodes; in: also shading nodes behind them */
     ticks busiest;         /* of all ports, in this frame */
-    /* of the region at hand, by rank */
+    /* of the region at hand: words to the shading node, and in all; by rank */
+    int64_t arriving_words, sent_words;
     ticks *ready, *next_ready, *released;
     struct origin *origin, *next_origin;
 };
@@ -76,6 +77,7 @@ static void begin_region(struct switched *s, const struct strategy_region *regio
         s->released[rank] = 0;
         s->origin[rank] = (struct origin){region->earliest, STRATEGY_HELD_BY_GEOMETRY, 0};
     }
+    s->arriving_words = s->sent_words = 0;
     for (uint32_t w = 0; w < region->work_count; w++) {
         const uint32_t rank = schedule_rank(s->schedule, region->work[w].node, region->region);
         if (region->ready[w] > s->ready[rank]) {
@@ -106,8 +108,9 @@ static ticks move(struct switched *s, const struct strategy_region *region,
     struct port *out = &s->out[schedule_node(s->schedule, m->from, region->region)];
     struct port *in = is_final ? &s->in[nodes + region->shading_node]
                                : &s->in[schedule_node(s->schedule, m->to, region->region)];
-    const ticks words = ticks_multiply((ticks)(m->end - m->first), region->words);
-    const ticks duration = ticks_multiply(s->word, words ? words : 1);
+    const int64_t payload = ticks_multiply(m->end - m->first, region->words);
+    const int64_t words = payload ? payload : 1;
+    const ticks duration = ticks_multiply(s->word, words);
     const ticks links = ticks_max(out->free_at, in->free_at);
     const ticks room = is_final && region->room > s->hop ? region->room - s->hop : 0;
     ticks begin = s->ready[m->from];
@@ -124,6 +127,8 @@ static ticks move(struct switched *s, const struct strategy_region *region,
     occupy(s, out, end, duration);
     occupy(s, in, end, duration);
     s->released[m->from] = ticks_max(s->released[m->from], end);
+    s->sent_words = ticks_add(s->sent_words, words);
+    s->arriving_words = ticks_add(s->arriving_words, is_final ? words : 0);
     return end;
 }
 
@@ -155,6 +160,8 @@ void switched_compose(void *state, const struct strategy_region *region,
     times->end = end;
     times->arrival = ticks_add(end, s->hop);
     times->busy = s->busiest - busiest;
+    times->arriving_words = s->arriving_words;
+    times->sent_words = s->sent_words;
     times->hold = last.hold;
     times->holder = last.holder;
     for (uint32_t w = 0; w < region->work_count; w++)

@@ -171,6 +171,12 @@ static void add_region(struct timing_model *model, const struct timing_frame *fr
     model->strategy->compose(model->links, &composed, &times);
     hold_raster_buffers(model, region);
     result->composition_busy = ticks_add(result->composition_busy, times.busy);
+    result->composition_bytes =
+        ticks_add(result->composition_bytes,
+                  ticks_multiply(times.arriving_words, machine->composition_word_bytes));
+    result->composition_sent_bytes =
+        ticks_add(result->composition_sent_bytes,
+                  ticks_multiply(times.sent_words, machine->composition_word_bytes));
     const ticks way = model->strategy->plan ? machine->composition_hop
                                             : ticks_multiply(machine->composition_hop,
                                                              (int64_t)model->shading_nodes - j);
@@ -254,6 +260,10 @@ bool timing_model_add_frame(struct timing_model *model, const struct timing_fram
         return status_fail(status, STATUS_LIMIT,
                            "simulated time passes 63 bits of ticks (%llu a second) in frame %u",
                            (unsigned long long)machine->rate.per_s, model->frame);
+    if (ticks_overflowed(result->composition_sent_bytes))
+        return status_fail(status, STATUS_LIMIT,
+                           "more than 2^63 bytes on the composition network in frame %u",
+                           model->frame);
     result->time = result->end - model->frame_end;
     result->bound_by = longest_resource(model, result);
     if (model->timeline)

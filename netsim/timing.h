@@ -52,6 +52,9 @@ struct timing_result {
                     waits */
     ticks composition_busy; /* one link of the composition network; latency of hops is not occupancy
                              */
+    /* What the composition network is charged, in whole words: what comes into shading nodes, and
+     * all that rendering nodes send (what a strategy passes on among them is there besides). */
+    int64_t composition_bytes, composition_sent_bytes;
     ticks geometry_busy;
     ticks framebuffer_busy; /* colours arriving */
     enum timing_resource bound_by;

@@ -376,9 +376,6 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
             timing->shading = shading_of(frame, region, question, &prices);
             result->regions_covered++;
         }
-        result->composition_bytes +=
-            (uint64_t)machine->composition_word_bytes *
-            (timing->words ? (uint64_t)machine_region_samples(machine) * timing->words : 1);
     }
     free(loading);
     if (question->assignment == WHAT_IF_BY_COST)

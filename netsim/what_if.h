@@ -69,7 +69,7 @@ struct what_if what_if_default(const struct run_record *record);
 struct what_if_frame {
     struct timing_result times;
     ticks raster_longest, shading_longest; /* busy time of the busiest node */
-    uint64_t composition_bytes, geometry_bytes;
+    uint64_t geometry_bytes;
     uint32_t regions_covered;
 };
 

@@ -92,25 +92,23 @@ static void keep_costs(struct collected_frame *frame, uint32_t region,
     frame->costs[frame->cost_count++] =
         (struct region_costs){.region = region,
                               .samples = view->head.sample_count,
-                              .map_bytes = view->map_bytes,
+                              .map_bytes = view->sums.map_bytes,
                               .work = work,
                               .work_count = view->shading_work_count};
 }
 
-/* Bytes of one region on the composition network, by cause: whole words for every sample of the
- * region, and within them what covered samples really say (docs/timing.md). A region without
- * candidates is one word. */
+/* Bytes of a frame on the composition network, by cause: whole words, as many as the strategy
+ * brings to the shading nodes, and within them what the samples that came there say
+ * (docs/timing.md). */
 static void charge_composition(struct frame_record *record, const struct machine *machine,
-                               int64_t words, uint64_t covered, uint64_t map_bytes) {
-    const uint64_t word = (uint64_t)machine->composition_word_bytes,
-                   depth = (uint64_t)machine->composition_depth_bytes;
-    const uint64_t count = words ? (uint64_t)machine_region_samples(machine) * (uint64_t)words : 1;
-    const uint64_t shader_id = covered * (uint64_t)machine->composition_shader_id_bytes;
-    record->composition.total += count * word;
-    record->composition.depth += count * depth;
-    record->composition.shader_id += shader_id;
-    record->composition.parameters += map_bytes;
-    record->composition.padding += count * (word - depth) - shader_id - map_bytes;
+                               const struct timing_result *times) {
+    const uint64_t total = (uint64_t)times->composition_bytes;
+    record->composition.total = total;
+    record->composition.sent = (uint64_t)times->composition_sent_bytes;
+    record->composition.depth = total / (uint64_t)machine->composition_word_bytes *
+                                (uint64_t)machine->composition_depth_bytes;
+    record->composition.padding = total - record->composition.depth -
+                                  record->composition.shader_id - record->composition.parameters;
 }
 
 /* Adds what one region cost to the record of the frame's work. */
@@ -144,14 +142,16 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
     struct arrived_region *arrived = &frame->regions[k];
     struct timing_region *timing = &frame->timing[k];
     const uint32_t samples = frame->grid.region_width * frame->grid.region_height;
-    uint64_t covered = 0, map_bytes = 0;
+    uint64_t covered = 0;
     if (arrived->is_coloured) {
         struct colour_view view;
         if (!colour_open(arrived->message, samples, self->configuration.rendering_nodes, &view,
                          status))
             return false;
         covered = view.head.sample_count;
-        map_bytes = view.map_bytes;
+        frame->record.composition.shader_id +=
+            view.sums.arrived_samples * (uint64_t)machine->composition_shader_id_bytes;
+        frame->record.composition.parameters += view.sums.arrived_map_bytes;
         timing->words = (uint32_t)machine_map_words(machine, view.head.longest_map);
         timing->shading = shading_work_price(machine, view.shading_work, view.shading_work_count);
         timing->work = copy_work(view.work, view.head.work_count);
@@ -179,7 +179,6 @@ static bool add_region(struct framebuffer_node *self, struct collected_frame *fr
     }
     frame->record.regions_covered += covered > 0;
     frame->record.samples_covered += covered;
-    charge_composition(&frame->record, machine, timing->words, covered, map_bytes);
     frame->record.framebuffer.bytes +=
         covered ? (uint64_t)(machine->colour_words * machine->composition_word_bytes) * samples : 0;
     message_release(arrived->message);
@@ -203,6 +202,7 @@ static void fill_times(struct framebuffer_node *self, struct collected_frame *fr
     record->end_ps = ticks_to_ps(rate, result->end);
     record->time_ps = ticks_to_ps(rate, result->time);
     record->bound_by = result->bound_by;
+    charge_composition(record, &configuration->machine, result);
     record->composition.busy_ps = ticks_to_ps(rate, result->composition_busy);
     record->geometry.busy_ps = ticks_to_ps(rate, result->geometry_busy);
     record->framebuffer.busy_ps = ticks_to_ps(rate, result->framebuffer_busy);

@@ -142,10 +142,16 @@ enum { SHADING_WORK_SHARED = 0x10000 }; /* position reconstruction; plus 1 + l f
 /* What `count` entries take on the machine's array; TICKS_MAX past 63 bits. */
 ticks shading_work_price(const struct machine *machine, const struct shading_work *work,
                          uint32_t count);
+/* Sums over the samples of a region, as composed and as they came to the shading node: more of them
+ * where parts overlap that are composed only there. */
+struct region_sums {
+    uint64_t map_bytes; /* of the samples' own maps, shader IDs aside */
+    uint64_t arrived_samples, arrived_map_bytes;
+};
 struct colour_view {
     struct region_head head; /* of the composed region: slots is 0, longest_map as composed */
     uint32_t shading_work_count;
-    uint64_t map_bytes; /* bytes, sum over the samples of their own maps, shader IDs aside */
+    struct region_sums sums;
     const struct region_work *work;
     const struct shading_work *shading_work;
     const struct region_run *runs;
@@ -158,8 +164,8 @@ struct colour_draft {
     struct shading_work *work; /* zeroed, for the caller to fill */
     float *color[3];
 };
-struct colour_draft colour_draft_create(const struct region_view *region, uint64_t map_bytes,
-                                        uint32_t work_count);
+struct colour_draft colour_draft_create(const struct region_view *region,
+                                        const struct region_sums *sums, uint32_t work_count);
 struct message *colour_seal(struct colour_draft *draft, uint32_t frame, uint32_t region,
                             uint32_t sender);
 bool colour_open(const struct message *message, uint32_t region_samples, uint32_t rendering_nodes,
@@ -177,7 +183,8 @@ struct frame_record {
     uint64_t tick_rate;
     enum timing_resource bound_by;
     struct {
-        uint64_t depth, shader_id, parameters, padding, total; /* bytes */
+        uint64_t depth, shader_id, parameters, padding, total; /* bytes into shading nodes */
+        uint64_t sent; /* bytes, by all rendering nodes to each other and to shading nodes */
         int64_t busy_ps;
     } composition;
     struct {

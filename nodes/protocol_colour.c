@@ -9,17 +9,17 @@ struct colour_head {
     struct region_head region;
     uint32_t shading_work_count;
     uint32_t reserved;
-    uint64_t map_bytes;
+    struct region_sums sums;
 };
 
 static size_t shader_bytes(uint32_t samples) {
     return ((size_t)samples * 2 + 3) / 4 * 4;
 }
 
-struct colour_draft colour_draft_create(const struct region_view *region, uint64_t map_bytes,
-                                        uint32_t work_count) {
+struct colour_draft colour_draft_create(const struct region_view *region,
+                                        const struct region_sums *sums, uint32_t work_count) {
     struct colour_head head = {
-        .region = region->head, .shading_work_count = work_count, .map_bytes = map_bytes};
+        .region = region->head, .shading_work_count = work_count, .sums = *sums};
     head.region.slots = 0;
     const uint32_t samples = region->head.sample_count;
     const size_t raster_bytes = region->head.work_count * sizeof *region->work;
@@ -73,10 +73,13 @@ bool colour_open(const struct message *message, uint32_t region_samples, uint32_
     const struct colour_head *head = wire_get(&reader, sizeof *head);
     if (!head || head->region.sample_count > region_samples ||
         head->region.run_count > head->region.sample_count ||
-        head->region.work_count > rendering_nodes)
+        head->region.work_count > rendering_nodes ||
+        head->sums.arrived_samples < head->region.sample_count ||
+        head->sums.arrived_samples > (uint64_t)region_samples * rendering_nodes ||
+        head->sums.arrived_map_bytes < head->sums.map_bytes)
         return status_fail(status, STATUS_INVALID,
                            "damaged shaded region message: impossible counts");
-    *view = (struct colour_view){.head = head->region, .map_bytes = head->map_bytes};
+    *view = (struct colour_view){.head = head->region, .sums = head->sums};
     view->shading_work_count = head->shading_work_count;
     view->shading_work =
         wire_get_array(&reader, head->shading_work_count, sizeof *view->shading_work);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 /* The whole-number fields of a frame record in the order they travel. */
-enum { RECORD_FIELDS = 26 };
+enum { RECORD_FIELDS = 27 };
 
 static void record_fields(struct frame_record *r, uint64_t *fields[RECORD_FIELDS]) {
     uint64_t *list[RECORD_FIELDS] = {
@@ -23,6 +23,7 @@ static void record_fields(struct frame_record *r, uint64_t *fields[RECORD_FIELDS
         &r->composition.parameters,
         &r->composition.padding,
         &r->composition.total,
+        &r->composition.sent,
         (uint64_t *)&r->composition.busy_ps,
         &r->geometry.bytes[CAUSE_PRIMITIVES],
         &r->geometry.bytes[CAUSE_BOUND_PARAMETERS],

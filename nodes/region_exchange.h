@@ -43,6 +43,14 @@ struct message *region_compose_all(struct message **parts, size_t count, uint32_
                                    uint32_t frame, uint32_t region, uint32_t sender,
                                    struct status *status);
 
+/* Samples that came to a shading node, by shader ID. Empty: as many as the region has composed. */
+struct region_arrivals {
+    struct shader_samples {
+        uint32_t shader, samples;
+    } * shaders;
+    size_t count, capacity;
+};
+
 /* Parts of regions that come together at a shading node. */
 struct region_gather {
     struct gathered_region {
@@ -53,10 +61,12 @@ struct region_gather {
     size_t count, capacity;
 };
 void region_gather_finish(struct region_gather *gather);
-/* Adds a part; when it is the last of `expected`, *whole is the composed region, the caller's;
+void region_arrivals_finish(struct region_arrivals *arrivals);
+/* Adds a part; when it is the last of `expected`, *whole is the composed region and `arrivals` (of
+ * which the list is filled in when parts overlap) what it was composed of, both the caller's;
  * otherwise NULL. Fails when a node sends the same part twice. */
 bool region_gather_add(struct region_gather *gather, const struct node_event *event,
                        uint32_t expected, uint32_t samples, uint32_t self, struct message **whole,
-                       struct status *status);
+                       struct region_arrivals *arrivals, struct status *status);
 
 #endif

@@ -79,9 +79,61 @@ static struct gathered_region *find_or_add(struct region_gather *gather, uint32_
     return added;
 }
 
+/* Holds of all parts; the array is the caller's. */
+static struct message **hold_parts(const struct gathered_region *gathered) {
+    struct message **parts = memory_get(gathered->count, sizeof *parts);
+    for (uint32_t i = 0; i < gathered->count; i++)
+        parts[i] = message_hold(gathered->parts[i]);
+    return parts;
+}
+
+void region_arrivals_finish(struct region_arrivals *arrivals) {
+    free(arrivals->shaders);
+    *arrivals = (struct region_arrivals){0};
+}
+
+static void count_shader(struct region_arrivals *arrivals, uint32_t shader, uint32_t samples) {
+    size_t i = 0;
+    while (i < arrivals->count && arrivals->shaders[i].shader != shader)
+        i++;
+    if (i == arrivals->count) {
+        arrivals->shaders = memory_grow(arrivals->shaders, &arrivals->capacity, ++arrivals->count,
+                                        sizeof *arrivals->shaders);
+        arrivals->shaders[i] = (struct shader_samples){shader, 0};
+    }
+    arrivals->shaders[i].samples += samples;
+}
+
+static bool count_part(const struct message *part, uint32_t samples,
+                       struct region_arrivals *arrivals, struct status *status) {
+    struct region_view view;
+    if (!region_open(part->bytes, part->length, samples, &view, status))
+        return false;
+    for (uint32_t first = 0, at = 1; at <= view.head.sample_count; at++)
+        if (at == view.head.sample_count || view.shader[at] != view.shader[first]) {
+            count_shader(arrivals, view.shader[first], at - first);
+            first = at;
+        }
+    return true;
+}
+
+/* Counts the samples of the parts that `whole` was composed of, unless each of them is in it. */
+static bool count_arrivals(struct message *const *parts, uint32_t count, uint32_t samples,
+                           const struct message *whole, struct region_arrivals *arrivals,
+                           struct status *status) {
+    uint64_t arrived = 0;
+    for (uint32_t i = 0; i < count; i++)
+        arrived += region_sample_count(parts[i]->bytes, parts[i]->length);
+    bool ok = true;
+    if (arrived > region_sample_count(whole->bytes, whole->length))
+        for (uint32_t i = 0; ok && i < count; i++)
+            ok = count_part(parts[i], samples, arrivals, status);
+    return ok;
+}
+
 bool region_gather_add(struct region_gather *gather, const struct node_event *event,
                        uint32_t expected, uint32_t samples, uint32_t self, struct message **whole,
-                       struct status *status) {
+                       struct region_arrivals *arrivals, struct status *status) {
     const struct wire_header *header = &event->header;
     char name[NODE_NAME_BYTES];
     *whole = NULL;
@@ -96,10 +148,20 @@ bool region_gather_add(struct region_gather *gather, const struct node_event *ev
     gathered->parts[gathered->count++] = message_hold(event->message);
     if (gathered->count < expected)
         return true;
+    struct message **parts = hold_parts(gathered);
     *whole = region_compose_all(gathered->parts, expected, samples, header->frame, header->region,
                                 self, status);
     gathered->count = 0; /* the parts are used up */
     gathered_finish(gathered);
     *gathered = gather->regions[--gather->count];
-    return *whole || status_prefix(status, "frame %u, region %u", header->frame, header->region);
+    const bool ok = *whole && count_arrivals(parts, expected, samples, *whole, arrivals, status);
+    for (uint32_t i = 0; i < expected; i++)
+        message_release(parts[i]);
+    free(parts);
+    if (ok)
+        return true;
+    message_release(*whole);
+    *whole = NULL;
+    region_arrivals_finish(arrivals);
+    return status_prefix(status, "frame %u, region %u", header->frame, header->region);
 }

@@ -208,6 +208,29 @@ bool shading_frame_instance(struct shading_frame *frame, struct shader_table *ta
     return true;
 }
 
+bool shading_frame_sum_arrivals(const struct shading_frame *frame, struct shader_table *table,
+                                const struct region_arrivals *arrivals, uint32_t composed,
+                                struct region_sums *sums, struct status *status) {
+    if (!arrivals->count) {
+        sums->arrived_samples = composed;
+        sums->arrived_map_bytes = sums->map_bytes;
+    }
+    for (size_t i = 0; i < arrivals->count; i++) {
+        const struct shader_samples *some = &arrivals->shaders[i];
+        const struct shader_module *module = NULL;
+        if (!some->shader || some->shader > frame->instance_count)
+            return status_fail(status, STATUS_INVALID,
+                               "shader ID %u, but the frame has %zu instances", some->shader,
+                               frame->instance_count);
+        if (!table_module(table, frame->instances[some->shader - 1].payload.shader, &module,
+                          status))
+            return false;
+        sums->arrived_samples += some->samples;
+        sums->arrived_map_bytes += (uint64_t)some->samples * (uint64_t)module->material_bytes;
+    }
+    return true;
+}
+
 static bool same_payload(const struct prepared_shader *a, const struct prepared_shader *b) {
     return a->message->length == b->message->length &&
            !memcmp(a->message->bytes + WIRE_HEADER_BYTES, b->message->bytes + WIRE_HEADER_BYTES,

@@ -4,6 +4,7 @@
 
 #include "nodes/execution_counts.h"
 #include "nodes/protocol.h"
+#include "nodes/region_exchange.h"
 #include "shaders/loader/shader_texts.h"
 
 /* The shader instances and lights of one frame on a shading node, made ready when a region first
@@ -60,6 +61,11 @@ bool shading_frame_add(struct shading_frame *frame, struct message *message, enu
 bool shading_frame_instance(struct shading_frame *frame, struct shader_table *table,
                             uint32_t shader_id, struct prepared_shader **instance,
                             struct status *status);
+/* Adds to `sums`, of which map_bytes is known, what the samples say that came here of a region with
+ * so many composed; loads shaders of hidden ones at most. */
+bool shading_frame_sum_arrivals(const struct shading_frame *frame, struct shader_table *table,
+                                const struct region_arrivals *arrivals, uint32_t composed,
+                                struct region_sums *sums, struct status *status);
 /* Moves what is the same in both frames from `old` to `fresh`; returns how many prepared shaders
  * were kept. */
 size_t shading_frame_inherit(struct shading_frame *fresh, struct shading_frame *old);

@@ -42,6 +42,7 @@ struct shading_node {
     struct pending_region {
         struct message *message;
         struct wire_header header;
+        struct region_arrivals arrivals; /* owned */
     } * queue;
     size_t queue_first, queue_count, queue_capacity;
     uint32_t expected_parts; /* of a region, from as many rendering nodes */
@@ -382,9 +383,10 @@ static bool find_instances(struct shading_node *self, struct shading_frame *fram
     return true;
 }
 
-static bool shade_region(struct shading_node *self, struct message *message,
-                         const struct wire_header *header, struct node_outputs *outputs,
-                         struct status *status) {
+static bool shade_region(struct shading_node *self, const struct pending_region *pending,
+                         struct node_outputs *outputs, struct status *status) {
+    const struct message *message = pending->message;
+    const struct wire_header *header = &pending->header;
     struct shading_frame *frame = frame_of(self, header->frame);
     struct region_view region;
     if (header->region >= frame->grid.count)
@@ -396,17 +398,20 @@ static bool shade_region(struct shading_node *self, struct message *message,
     struct id_range *ranges;
     const size_t count = sort_samples(self, &region, &ranges);
     struct prepared_shader **instances = memory_get(count, sizeof *instances);
-    const bool ok = find_instances(self, frame, &region, ranges, count, instances, status);
+    struct region_sums sums = {0};
+    bool ok = find_instances(self, frame, &region, ranges, count, instances, status);
+    for (size_t r = 0; ok && r < count; r++)
+        sums.map_bytes +=
+            (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_bytes;
+    ok = ok && shading_frame_sum_arrivals(frame, &self->shaders, &pending->arrivals,
+                                          region.head.sample_count, &sums, status);
     if (ok) {
         const uint32_t lights = begin_lights(frame, instances, count);
         uint32_t *leaders = memory_get(count, sizeof *leaders), streams = 0;
-        uint64_t map_bytes = 0;
         instance_merge(instances, count, leaders);
         for (size_t r = 0; r < count; r++)
             streams += leaders[r] == r;
-        for (size_t r = 0; r < count; r++)
-            map_bytes += (uint64_t)ranges[r].count * (uint64_t)instances[r]->module->material_bytes;
-        struct colour_draft draft = colour_draft_create(&region, map_bytes, 1 + lights + streams);
+        struct colour_draft draft = colour_draft_create(&region, &sums, 1 + lights + streams);
         for (size_t r = 0; r < count; r++)
             shade_instance(self, frame, &region, instances[r], instances[leaders[r]],
                            self->order + ranges[r].first, ranges[r].count, &draft, outputs);
@@ -454,7 +459,13 @@ static bool end_frame(struct shading_node *self, const struct node_event *event,
     return true;
 }
 
-static void queue_push(struct shading_node *self, const struct node_event *event) {
+static void pending_finish(struct pending_region *pending) {
+    message_release(pending->message);
+    region_arrivals_finish(&pending->arrivals);
+}
+
+static void queue_push(struct shading_node *self, const struct node_event *event,
+                       struct region_arrivals arrivals) {
     if (self->queue_first) {
         memmove(self->queue, self->queue + self->queue_first,
                 self->queue_count * sizeof *self->queue);
@@ -463,29 +474,31 @@ static void queue_push(struct shading_node *self, const struct node_event *event
     self->queue =
         memory_grow(self->queue, &self->queue_capacity, self->queue_count + 1, sizeof *self->queue);
     self->queue[self->queue_count++] =
-        (struct pending_region){message_hold(event->message), event->header};
+        (struct pending_region){message_hold(event->message), event->header, arrivals};
 }
 
 /* From the chain a region comes whole and never empty; otherwise it is put together here. */
 static bool accept_region(struct shading_node *self, const struct node_event *event,
                           struct node_outputs *outputs, struct status *status) {
     struct node_event whole = *event;
+    struct region_arrivals arrivals = {0};
     if (!self->is_configured) {
         early_messages_add(&self->early, event);
         return true;
     }
     if (!self->configuration.strategy->plan) {
-        queue_push(self, event);
+        queue_push(self, event, (struct region_arrivals){0});
         return true;
     }
     if (!region_gather_add(&self->gather, event, self->expected_parts,
                            (uint32_t)machine_region_samples(&self->configuration.machine),
-                           node_address_pack(self->node.address), &whole.message, status))
+                           node_address_pack(self->node.address), &whole.message, &arrivals,
+                           status))
         return false;
     if (!whole.message)
         return true;
     if (region_sample_count(whole.message->bytes, whole.message->length)) {
-        queue_push(self, &whole);
+        queue_push(self, &whole, arrivals);
         message_release(whole.message);
     } else { /* nothing to shade */
         node_send(outputs, (struct node_address){NODE_FRAMEBUFFER, 0}, whole.message);
@@ -543,15 +556,15 @@ static bool handle_message(struct shading_node *self, const struct node_event *e
 
 static bool advance(struct shading_node *self, struct node_outputs *outputs,
                     struct status *status) {
-    const struct pending_region pending = self->queue[self->queue_first++];
+    struct pending_region pending = self->queue[self->queue_first++];
     if (!--self->queue_count)
         self->queue_first = 0;
     const int number = frame_of(self, pending.header.frame)->frame.number;
     node_works_on(&self->node, number, pending.header.region);
-    bool ok = shade_region(self, pending.message, &pending.header, outputs, status);
+    bool ok = shade_region(self, &pending, outputs, status);
     if (!ok)
         status_prefix(status, "frame %d, region %u", number, pending.header.region);
-    message_release(pending.message);
+    pending_finish(&pending);
     return ok;
 }
 
@@ -594,7 +607,7 @@ static void shading_node_destroy(struct node *node) {
     }
     shader_table_finish(&self->shaders);
     for (size_t i = 0; i < self->queue_count; i++)
-        message_release(self->queue[self->queue_first + i].message);
+        pending_finish(&self->queue[self->queue_first + i]);
     free(self->queue);
     region_gather_finish(&self->gather);
     early_messages_finish(&self->early);

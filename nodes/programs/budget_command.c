@@ -85,7 +85,7 @@ struct analysis {
 static uint64_t composition_bytes(const struct what_if_result *result) {
     uint64_t bytes = 0;
     for (uint32_t f = 0; f < result->frame_count; f++)
-        bytes += result->frames[f].composition_bytes;
+        bytes += (uint64_t)result->frames[f].times.composition_bytes;
     return bytes;
 }
 

@@ -92,6 +92,7 @@ static struct timeline *solve_again(const struct render_options *options,
                                     const struct run_record *record, struct status *status) {
     struct what_if question = what_if_default(record);
     struct what_if_result result;
+    question.strategy = options->host.strategy;
     question.rendering_nodes = options->host.rendering_nodes;
     question.shading_nodes = options->host.shading_nodes;
     struct timeline *timeline =

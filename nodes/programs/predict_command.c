@@ -103,7 +103,7 @@ static void csv_head(struct prediction_output *output) {
             put_csv(output, ",");
         }
     put_csv(output, "rendering_nodes,shading_nodes,frame,time_ps,time_ticks,ticks_per_s,bound_by,"
-                    "composition_bytes,geometry_bytes");
+                    "composition_bytes,composition_sent_bytes,geometry_bytes");
 #define CSV_KEY(key, value) put_csv(output, "," key "_ps");
     FRAME_TIMES(CSV_KEY)
 #undef CSV_KEY
@@ -126,11 +126,12 @@ static void csv_rows(struct prediction_output *output, size_t combination,
                 put_csv(output, ",");
             }
         snprintf(text, sizeof text,
-                 "%u,%u,%d,%" PRId64 ",%" PRId64 ",%" PRIu64 ",%s,%" PRIu64 ",%" PRIu64,
+                 "%u,%u,%d,%" PRId64 ",%" PRId64 ",%" PRIu64 ",%s,%" PRId64 ",%" PRId64 ",%" PRIu64,
                  question->rendering_nodes, question->shading_nodes,
                  output->record->frames[f].number, ticks_to_ps(rate, frame->times.time),
                  frame->times.time, rate.per_s, timing_resource_name(frame->times.bound_by),
-                 frame->composition_bytes, frame->geometry_bytes);
+                 frame->times.composition_bytes, frame->times.composition_sent_bytes,
+                 frame->geometry_bytes);
         put_csv(output, text);
 #define CSV_VALUE(key, time)                                                                       \
     snprintf(text, sizeof text, ",%" PRId64, ticks_to_ps(rate, time));                             \
@@ -158,7 +159,8 @@ static void add_json_frames(cJSON *object, const struct prediction_output *outpu
 #define JSON_TIME(key, time) json_add_whole(item, key "_ps", ticks_to_ps(rate, time));
         FRAME_TIMES(JSON_TIME)
 #undef JSON_TIME
-        json_add_whole(item, "composition_bytes", (int64_t)frame->composition_bytes);
+        json_add_whole(item, "composition_bytes", frame->times.composition_bytes);
+        json_add_whole(item, "composition_sent_bytes", frame->times.composition_sent_bytes);
         json_add_whole(item, "geometry_bytes", (int64_t)frame->geometry_bytes);
         if (timeline)
             explain_add_json(item,

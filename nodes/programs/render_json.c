@@ -28,6 +28,7 @@ static void add_frame(cJSON *frames, const struct frame_record *f,
     json_add_whole(bytes, "parameters", (int64_t)f->composition.parameters);
     json_add_whole(bytes, "padding", (int64_t)f->composition.padding);
     json_add_whole(bytes, "total", (int64_t)f->composition.total);
+    json_add_whole(composition, "sent_bytes", (int64_t)f->composition.sent);
     json_add_whole(composition, "busy_ps", f->composition.busy_ps);
     cJSON *geometry = cJSON_AddObjectToObject(frame, "geometry");
     bytes = cJSON_AddObjectToObject(geometry, "bytes");

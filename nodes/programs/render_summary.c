@@ -64,6 +64,8 @@ static void print_bytes(FILE *stream, const struct frame_record *f) {
             share((double)f->composition.parameters, (double)composition));
     fprintf(stream, "    padding   %14" PRIu64 " %5.1f %%\n", f->composition.padding,
             share((double)f->composition.padding, (double)composition));
+    fprintf(stream, "    sent      %14" PRIu64 "   by all rendering nodes together\n",
+            f->composition.sent);
     static const char *const causes[CAUSE_COUNT] = {"primitives", "bound par.", "shaders",
                                                     "control"};
     fprintf(stream, "  geometry    %14" PRIu64 "\n", geometry);

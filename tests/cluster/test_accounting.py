@@ -57,6 +57,18 @@ def test_composition_is_busy_for_the_words_of_the_map():
         check_sums(frame)
 
 
+def test_each_strategy_is_charged_what_it_brings_and_what_it_sends():
+    """docs/timing.md: into the shading nodes once, in direct-send from every node; every node sends each region once."""
+    region = REGION_SAMPLES * 32 * 2  # a map of 30 bytes: two words
+    for strategy in ("chain", "direct-send", "binary-swap", "radix-k", "tree"):
+        for r in (1, 4, 6):
+            frame = render_map(7, "-r", r, "-s", 2, "--composition", strategy, width=256, height=128)["frames"][0]
+            brought = r if strategy == "direct-send" else 1
+            assert frame["composition"]["bytes"]["total"] == 4 * region * brought, (strategy, r)
+            assert frame["composition"]["sent_bytes"] == 4 * region * r, (strategy, r)
+            check_sums(frame)
+
+
 def test_a_map_of_five_words_bounds_the_frame_rate_at_30_5():
     """PF section 6.2: at most 142 bytes a pixel at 30 frames/s; in whole words 140, which gives 30.5 frames/s."""
     summary = render_map(34, "-r", 2, "-s", 8, "--frames", 4)

@@ -38,16 +38,17 @@ def times(frames):
     return [(frame["time_ticks"], frame["start_ticks"], frame["end_ticks"], frame["bound_by"]) for frame in frames]
 
 
-def check_prediction(scene, cluster_sizes, *arguments):
+def check_prediction(scene, cluster_sizes, *arguments, question=()):
     with Folder() as folder:
         folder.render(scene, *IN_PROCESS, *arguments, "--record", folder.file("run.rec"))
         for r, s in cluster_sizes:
-            live = folder.render(scene, *IN_PROCESS, "-r", r, "-s", s, *arguments)
-            combination = analyse(folder, "predict", folder.file("run.rec"), "-r", r, "-s", s)["combinations"][0]
+            live = folder.render(scene, *IN_PROCESS, "-r", r, "-s", s, *arguments, *question)
+            combination = analyse(folder, "predict", folder.file("run.rec"), "-r", r, "-s", s, *question)["combinations"][0]
             assert times(combination["frames"]) == times(live["frames"]), "%d + %d nodes: %s, live %s" % (
                 r, s, times(combination["frames"]), times(live["frames"]))
             for predicted, frame in zip(combination["frames"], live["frames"]):
                 assert predicted["composition_bytes"] == frame["composition"]["bytes"]["total"]
+                assert predicted["composition_sent_bytes"] == frame["composition"]["sent_bytes"]
                 assert predicted["geometry_bytes"] == frame["geometry"]["bytes"]["total"]
                 assert predicted["raster_busy_ps"] == max(frame["raster_busy_ps"])
                 assert predicted["shading_busy_ps"] == max(frame["shading_busy_ps"])
@@ -58,6 +59,11 @@ def test_a_prediction_is_what_a_live_run_says():
     check_prediction(BOWLING, sizes, "--format", "480x256")
     check_prediction(SOLID, sizes[1:3], "--format", "320x200")
     check_prediction(COINCIDENT, sizes, "--format", "300x200")
+
+
+def test_a_prediction_is_what_a_live_run_says_whatever_the_strategy():
+    for strategy in ("direct-send", "binary-swap", "radix-k", "tree"):
+        check_prediction(BOWLING, [(6, 3)], "--format", "200x150", question=("--composition", strategy))
 
 
 def test_a_prediction_is_what_a_live_run_says_with_other_options():
@@ -98,10 +104,13 @@ def test_reasons_and_critical_path_add_up_to_the_frame_time():
             assert len(frame["resources"]) == 3 + 3 + 2
             for resource in frame["resources"]:
                 assert resource["busy_ticks"] + sum(resource["idle_ticks"].values()) == frame["time_ticks"], resource
-        live = folder.render(SOLID, *IN_PROCESS, "--format", "320x200", "-r", 3, "-s", 2, "--explain-time")
-        for frame, predicted in zip(live["frames"], answer["combinations"][0]["frames"]):
-            assert frame["critical_path"] == predicted["critical_path"]
-            assert frame["resources"] == predicted["resources"]
+        for strategy in ("chain", "direct-send"):
+            question = ("-r", 3, "-s", 2, "--composition", strategy)
+            answer = analyse(folder, "predict", folder.file("run.rec"), *question, "--explain")
+            live = folder.render(SOLID, *IN_PROCESS, "--format", "320x200", *question, "--explain-time")
+            for frame, predicted in zip(live["frames"], answer["combinations"][0]["frames"]):
+                assert frame["critical_path"] == predicted["critical_path"]
+                assert frame["resources"] == predicted["resources"]
 
 
 def test_every_combination_is_answered_alike_in_json_and_csv():

@@ -202,7 +202,7 @@ static void maps_change_words_and_bytes_as_arithmetic_says(void **state) {
     uint64_t bytes = 0;
     for (uint32_t k = 0; k < 12; k++)
         bytes += record->frames[0].regions[k].samples ? 8192 * 32 * 2 : 32;
-    assert_int_equal(other[0].composition_bytes, bytes);
+    assert_int_equal(other[0].times.composition_bytes, bytes);
     assert_int_equal(other[0].geometry_bytes, base[0].geometry_bytes);
     question.maps = WHAT_IF_MAPS_UNBOUND;
     answer(record, &question, other);
@@ -216,7 +216,7 @@ static void maps_change_words_and_bytes_as_arithmetic_says(void **state) {
     bytes = 0;
     for (uint32_t k = 0; k < 12; k++)
         bytes += record->frames[0].regions[k].samples ? 8192 * 32 : 32;
-    assert_int_equal(other[0].composition_bytes, bytes);
+    assert_int_equal(other[0].times.composition_bytes, bytes);
     record_destroy(record);
 }
 
@@ -301,7 +301,7 @@ static void extremes_are_exact_or_refused_in_words(void **state) {
         assert_true(what_if_solve(solver, &question, NULL, &result, &status));
         uint64_t bytes = 0;
         for (uint32_t f = 0; f < 2; f++)
-            bytes += result.frames[f].composition_bytes;
+            bytes += result.frames[f].times.composition_bytes;
         ticks busy =
             result.frames[0].times.composition_busy + result.frames[1].times.composition_busy;
         /* every byte takes exactly 1 / rate seconds */

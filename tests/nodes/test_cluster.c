@@ -15,13 +15,35 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { REGIONS = 40, REGION_SAMPLES = 8192, SHADERS_MAX = 8 };
+
 /* A cluster in this process with its messages tapped. */
 struct tapped {
     uint64_t charged[CAUSE_COUNT]; /* geometry messages, broadcasts once */
     struct message *last; /* of the broadcast at hand; held, so that no other takes its address */
     uint64_t regions_sent, region_bytes, empty_messages;
     uint64_t shader_loads;
+    /* of REGION messages between nodes: all, and those to shading nodes */
+    struct tapped_region {
+        uint64_t messages, final_messages;
+        bool is_covered;
+    } regions[REGIONS];
+    uint64_t arrived[SHADERS_MAX]; /* samples that came to shading nodes, by shader ID */
 };
+
+static void tap_region(struct tapped *tapped, struct node_address to, uint32_t region,
+                       const struct message *message) {
+    struct region_view view;
+    assert_true(region < REGIONS && (to.role == NODE_RENDERING || to.role == NODE_SHADING));
+    assert_true(region_open(message->bytes, message->length, REGION_SAMPLES, &view, NULL));
+    tapped->regions[region].messages++;
+    tapped->regions[region].final_messages += to.role == NODE_SHADING;
+    tapped->regions[region].is_covered |= view.head.sample_count > 0;
+    for (uint32_t i = 0; to.role == NODE_SHADING && i < view.head.sample_count; i++) {
+        assert_true(view.shader[i] < SHADERS_MAX);
+        tapped->arrived[view.shader[i]]++;
+    }
+}
 
 static void tap(void *context, struct node_address from, const struct node_output *output) {
     struct tapped *tapped = context;
@@ -30,6 +52,9 @@ static void tap(void *context, struct node_address from, const struct node_outpu
     tapped->regions_sent += header.kind == WIRE_REGION;
     tapped->region_bytes += header.kind == WIRE_REGION ? output->message->length : 0;
     tapped->empty_messages += header.kind == WIRE_EMPTY_REGIONS;
+    if (header.kind == WIRE_REGION && from.role == NODE_RENDERING &&
+        output->to.role != NODE_FRAMEBUFFER)
+        tap_region(tapped, output->to, header.region, output->message);
     if (from.role != NODE_HOST || output->message == tapped->last ||
         header.kind == WIRE_CONFIGURATION)
         return;
@@ -59,6 +84,8 @@ static bool nothing_to_finish(void *context, struct status *status) {
     return true;
 }
 
+static const struct strategy *strategy; /* of the clusters to come; NULL: the chain */
+
 /* Renders a scene text; the report stays valid until the cluster is finished by the caller's
  * `check`. */
 static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tapped *tapped,
@@ -77,6 +104,7 @@ static void run(const char *text, uint32_t r, uint32_t s, int frames, struct tap
     struct host_options options = {.scene = path,
                                    .rendering_nodes = r,
                                    .shading_nodes = s,
+                                   .strategy = strategy,
                                    .shader_folders = folders,
                                    .shader_folder_count = 1,
                                    .frames = frames,
@@ -133,6 +161,51 @@ static void the_geometry_network_is_charged_what_its_messages_say(void **state) 
     struct tapped tapped;
     run(two_spheres, 3, 2, 1, &tapped, check_charges);
     run(two_spheres, 1, 4, 3, &tapped, check_charges);
+}
+
+/* Every covered region is whole words of all its samples, once for each time that it comes, every
+ * other a word a message. Both shaders of the scene take one word a sample. */
+static void check_composition(const struct host_report *report, const struct tapped *tapped) {
+    const struct frame_record *frame = &report->frames[0];
+    const bool is_chain = !strategy->plan, is_direct = strategy == strategy_find("direct-send");
+    uint64_t words = 0, sent_words = 0, samples = 0, map_bytes = 0;
+    for (uint32_t k = 0; k < REGIONS; k++) {
+        const struct tapped_region *region = &tapped->regions[k];
+        if (region->is_covered) {
+            words += REGION_SAMPLES * (is_direct ? frame->rendering_nodes : 1);
+            sent_words += REGION_SAMPLES * (uint64_t)frame->rendering_nodes;
+        } else {
+            words += is_chain ? 1 : region->final_messages;
+            sent_words += is_chain ? frame->rendering_nodes : region->messages;
+        }
+    }
+    for (uint32_t id = 1; id < SHADERS_MAX; id++) {
+        samples += tapped->arrived[id];
+        if (id <= report->instance_count)
+            map_bytes += tapped->arrived[id] * (report->instances[id - 1].map_bytes - 2);
+    }
+    assert_int_equal(frame->composition.total, words * 32);
+    assert_int_equal(frame->composition.sent, sent_words * 32);
+    assert_int_equal(frame->composition.depth, words * 4);
+    assert_int_equal(frame->composition.shader_id, samples * 2);
+    assert_int_equal(frame->composition.parameters, map_bytes);
+    assert_int_equal(frame->composition.depth + frame->composition.shader_id +
+                         frame->composition.parameters + frame->composition.padding,
+                     frame->composition.total);
+    /* one sphere hides a part of the other, which some node then sends in vain */
+    if (is_direct && frame->rendering_nodes > 1)
+        assert_true(samples > frame->samples_covered);
+    else
+        assert_int_equal(samples, frame->samples_covered);
+}
+
+static void the_composition_network_is_charged_what_comes_whatever_the_strategy(void **state) {
+    (void)state;
+    static const uint32_t nodes[] = {1, 2, 5, 8};
+    struct tapped tapped;
+    for (int i = 0; (strategy = strategy_at(i)); i++)
+        for (size_t n = 0; n < sizeof nodes / sizeof *nodes; n++)
+            run(two_spheres, nodes[n], 3, 1, &tapped, check_composition);
 }
 
 static void check_still(const struct host_report *report, const struct tapped *tapped) {
@@ -209,6 +282,7 @@ static void instances_equal_in_everything_are_one(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_geometry_network_is_charged_what_its_messages_say),
+        cmocka_unit_test(the_composition_network_is_charged_what_comes_whatever_the_strategy),
         cmocka_unit_test(a_still_scene_repeats_its_frame),
         cmocka_unit_test(an_empty_frame_costs_one_message_a_hop_and_loads_no_shader),
         cmocka_unit_test(only_instances_in_view_are_made_and_loaded),

@@ -29,7 +29,7 @@ static struct message *sample_colour(void) {
     struct message *region = sample_region();
     struct region_view view;
     assert_true(region_open(region->bytes, region->length, 8192, &view, NULL));
-    struct colour_draft draft = colour_draft_create(&view, 10, 2);
+    struct colour_draft draft = colour_draft_create(&view, &(struct region_sums){10, 5, 10}, 2);
     draft.work[1].operations[SIMD_SIN] = 4;
     for (int c = 0; c < 3; c++)
         memset(draft.color[c], 0, 5 * sizeof(float));
