@@ -25,6 +25,7 @@ void record_frame_finish(struct record_frame *frame) {
     free(frame->instances);
     free(frame->lights);
     free(frame->chunks);
+    free(frame->sharing);
     free(frame->regions);
     free(frame->entries);
     free(frame->works);
@@ -47,6 +48,19 @@ struct record_frame *record_add_frame(struct run_record *record) {
                                  sizeof *record->frames);
     record->frames[record->frame_count] = (struct record_frame){0};
     return &record->frames[record->frame_count++];
+}
+
+void record_add_chunk(struct record_frame *frame, struct record_chunk chunk,
+                      const struct record_sharing *sharing, uint32_t sharing_count) {
+    frame->chunks = memory_grow(frame->chunks, &frame->chunk_capacity, frame->chunk_count + 1,
+                                sizeof *frame->chunks);
+    frame->sharing = memory_grow(frame->sharing, &frame->sharing_capacity,
+                                 frame->sharing_count + sharing_count, sizeof *frame->sharing);
+    chunk.first_sharing = frame->sharing_count;
+    chunk.sharing_count = sharing_count;
+    for (uint32_t i = 0; i < sharing_count; i++)
+        frame->sharing[frame->sharing_count++] = sharing[i];
+    frame->chunks[frame->chunk_count++] = chunk;
 }
 
 void record_add_entry(struct record_frame *frame, struct record_region *region,
@@ -109,7 +123,9 @@ void record_copy_shaders(struct record_frame *frame, const struct record_frame *
 
 void record_copy_chunks(struct record_frame *frame, const struct record_frame *from) {
     frame->chunk_count = from->chunk_count;
+    frame->sharing_count = from->sharing_count;
     frame->chunks = copy_array(from->chunks, from->chunk_count, sizeof *from->chunks);
+    frame->sharing = copy_array(from->sharing, from->sharing_count, sizeof *from->sharing);
 }
 
 void record_copy_regions(struct record_frame *frame, const struct record_frame *from) {
@@ -124,11 +140,13 @@ void record_copy_regions(struct record_frame *frame, const struct record_frame *
         copy_array(from->operations, from->operation_count, sizeof *from->operations);
 }
 
-uint64_t record_primitive_bytes(const struct record_frame *frame, const uint32_t *map_floats) {
+uint64_t record_primitive_bytes(const struct record_frame *frame, const uint32_t *map_floats,
+                                const uint32_t *vertices) {
     uint64_t bytes = 0;
     for (uint32_t c = 0; c < frame->chunk_count; c++) {
         const struct record_chunk *chunk = &frame->chunks[c];
-        bytes += (uint64_t)chunk->vertices * (12 + 4 * (uint64_t)map_floats[chunk->instance - 1]) +
+        const uint64_t count = vertices ? vertices[c] : chunk->vertices;
+        bytes += count * (12 + 4 * (uint64_t)map_floats[chunk->instance - 1]) +
                  6 * (uint64_t)chunk->triangles;
     }
     return bytes;

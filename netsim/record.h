@@ -36,9 +36,18 @@ struct record_instance {
 /* Floats of its parameters of one use. */
 uint32_t record_instance_floats(const struct record_instance *instance, enum record_use use);
 
+/* A chunk of consecutive triangles of one mesh. Those of a run follow one another without a gap:
+ * cut longer, they would be one chunk. */
 struct record_chunk {
     uint32_t instance; /* shader ID, from 1 */
     uint32_t vertices, triangles;
+    bool begins_run;
+    uint32_t first_sharing, sharing_count; /* vertices it has in common with chunks of its run */
+};
+
+/* So many vertices of a chunk were last in the chunk `distance` before it. */
+struct record_sharing {
+    uint32_t distance, vertices;
 };
 
 /* What one chunk means for one region. */
@@ -79,6 +88,9 @@ struct record_frame {
     uint32_t light_count;
     struct record_chunk *chunks;
     uint32_t chunk_count;
+    struct record_sharing *sharing;
+    uint32_t sharing_count;
+    size_t chunk_capacity, sharing_capacity;
     struct record_region *regions; /* in order of transfer */
     uint32_t region_count;
     struct record_entry *entries;
@@ -91,7 +103,8 @@ struct record_frame {
 struct run_record {
     char *scene;
     struct machine machine;
-    uint64_t seed; /* of the distribution of chunks */
+    uint64_t seed;            /* of the distribution of chunks */
+    uint32_t chunk_triangles; /* at most, of a chunk */
     bool fast_math;
     struct record_frame *frames;
     uint32_t frame_count;
@@ -106,6 +119,9 @@ struct record_frame *record_add_frame(struct run_record *record);
 void record_copy_shaders(struct record_frame *frame, const struct record_frame *from);
 void record_copy_chunks(struct record_frame *frame, const struct record_frame *from);
 void record_copy_regions(struct record_frame *frame, const struct record_frame *from);
+/* Appends a chunk with its sharing (of which its own counts are filled in). */
+void record_add_chunk(struct record_frame *frame, struct record_chunk chunk,
+                      const struct record_sharing *sharing, uint32_t sharing_count);
 /* Append to the region at hand, the last with entries or works; regions are filled in order. */
 void record_add_entry(struct record_frame *frame, struct record_region *region,
                       struct record_entry entry);
@@ -113,8 +129,10 @@ void record_add_work(struct record_frame *frame, struct record_region *region, u
                      const uint64_t operations[SIMD_OPERATION_COUNT]);
 
 /* Bytes of the primitives over the geometry network when instance i (from 0) has map_floats[i]
- * floats a vertex: 12 bytes a position, 4 a float, 6 a triangle (docs/timing.md). */
-uint64_t record_primitive_bytes(const struct record_frame *frame, const uint32_t *map_floats);
+ * floats a vertex: 12 bytes a position, 4 a float, 6 a triangle (docs/timing.md). `vertices` of
+ * each chunk; NULL: as recorded. */
+uint64_t record_primitive_bytes(const struct record_frame *frame, const uint32_t *map_floats,
+                                const uint32_t *vertices);
 
 /* A file: magic, version, length, checksum, and the compressed payload. The same run gives the same
  * bytes for all node counts, drivers and transports. The buffer is the caller's. */

@@ -112,13 +112,38 @@ static void get_shaders(struct decoder *decoder, struct record_frame *frame) {
         frame->lights[l] = get_string(decoder);
 }
 
+/* One chunk, the `before`-th after the one that began its run. */
+static void get_chunk(struct decoder *decoder, struct record_frame *frame, uint32_t before) {
+    struct record_chunk chunk = {.instance =
+                                     (uint32_t)get_between(decoder, 1, frame->instance_count)};
+    chunk.vertices = (uint32_t)get_between(decoder, 0, UINT32_MAX);
+    const uint64_t triangles = get_between(decoder, 0, 2 * (uint64_t)UINT32_MAX + 1);
+    chunk.triangles = (uint32_t)(triangles >> 1);
+    chunk.begins_run = triangles & 1;
+    if (!chunk.begins_run &&
+        (!frame->chunk_count || frame->chunks[frame->chunk_count - 1].instance != chunk.instance))
+        decoder->reader.failed = true;
+    uint32_t count = get_count(decoder);
+    struct record_sharing *sharing = get_memory(decoder, &count, sizeof *sharing);
+    uint64_t left = chunk.vertices;
+    for (uint32_t s = 0; s < count; s++) {
+        sharing[s].distance =
+            (uint32_t)get_between(decoder, 1, chunk.begins_run ? 0 : (uint64_t)before + 1);
+        sharing[s].vertices = (uint32_t)get_between(decoder, 0, left);
+        left -= sharing[s].vertices;
+    }
+    if (can_take(decoder, 1, sizeof chunk))
+        record_add_chunk(frame, chunk, sharing, count);
+    free(sharing);
+}
+
 static void get_chunks(struct decoder *decoder, struct record_frame *frame) {
-    frame->chunk_count = get_count(decoder);
-    frame->chunks = get_memory(decoder, &frame->chunk_count, sizeof *frame->chunks);
-    for (uint32_t c = 0; c < frame->chunk_count; c++) {
-        frame->chunks[c].instance = (uint32_t)get_between(decoder, 1, frame->instance_count);
-        frame->chunks[c].vertices = (uint32_t)get_between(decoder, 0, UINT32_MAX);
-        frame->chunks[c].triangles = (uint32_t)get_between(decoder, 0, UINT32_MAX);
+    uint32_t before = 0;
+    for (uint32_t count = get_count(decoder); count && !decoder->reader.failed; count--) {
+        get_chunk(decoder, frame, before);
+        before = frame->chunk_count && !frame->chunks[frame->chunk_count - 1].begins_run
+                     ? before + 1
+                     : 0;
     }
 }
 
@@ -199,7 +224,8 @@ static size_t section_bytes(const struct record_frame *frame, enum record_sectio
                      frame->instances[i].parameter_count * (32 + sizeof(struct record_parameter));
         return bytes + frame->light_count * 32;
     case RECORD_SECTION_CHUNKS:
-        return frame->chunk_count * sizeof *frame->chunks;
+        return frame->chunk_count * sizeof *frame->chunks +
+               frame->sharing_count * sizeof *frame->sharing;
     default:
         return frame->region_count * sizeof *frame->regions +
                frame->entry_count * sizeof *frame->entries +
@@ -322,6 +348,7 @@ static bool get_operations(struct decoder *decoder, struct status *status) {
 static bool get_payload(struct decoder *decoder, struct run_record *record, struct status *status) {
     record->scene = get_string(decoder);
     record->seed = get_number(decoder);
+    record->chunk_triangles = (uint32_t)get_between(decoder, 1, UINT32_MAX);
     record->fast_math = get_between(decoder, 0, 1);
     if (decoder->reader.failed)
         return wire_reader_done(&decoder->reader, "record", status);

@@ -50,9 +50,15 @@ static void put_shaders(struct wire_writer *writer, const struct record_frame *f
 static void put_chunks(struct wire_writer *writer, const struct record_frame *frame) {
     put_number(writer, frame->chunk_count);
     for (uint32_t c = 0; c < frame->chunk_count; c++) {
-        put_number(writer, frame->chunks[c].instance);
-        put_number(writer, frame->chunks[c].vertices);
-        put_number(writer, frame->chunks[c].triangles);
+        const struct record_chunk *chunk = &frame->chunks[c];
+        put_number(writer, chunk->instance);
+        put_number(writer, chunk->vertices);
+        put_number(writer, (uint64_t)chunk->triangles << 1 | chunk->begins_run);
+        put_number(writer, chunk->sharing_count);
+        for (uint32_t s = 0; s < chunk->sharing_count; s++) {
+            put_number(writer, frame->sharing[chunk->first_sharing + s].distance);
+            put_number(writer, frame->sharing[chunk->first_sharing + s].vertices);
+        }
     }
 }
 
@@ -152,6 +158,7 @@ bool record_encode(const struct run_record *record, uint8_t **bytes, size_t *len
     struct wire_writer payload = {0};
     put_string(&payload, record->scene);
     put_number(&payload, record->seed);
+    put_number(&payload, record->chunk_triangles);
     put_number(&payload, record->fast_math);
     put_machine(&payload, &record->machine);
     put_frames(&payload, record);

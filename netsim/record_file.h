@@ -11,18 +11,17 @@
  * numbers (seven bits a byte, least first, high bit: more follow), signed ones folded (0, -1, 1, -2
  * ...), and strings (length, bytes, zero):
  *
- *   scene, seed, fast math; machine: name, count, (parameter, value)...; operations: count, names
- *   frames: count, each
- *     number, width, height, samples across and down, geometry bytes by cause
- *     three sections, each 0: as in the frame before, or 1 and its contents
+ *   scene, seed, triangles of a chunk, fast math; machine: name, count, (parameter, value)...;
+ * operations: count, names frames: count, each number, width, height, samples across and down,
+ * geometry bytes by cause three sections, each 0: as in the frame before, or 1 and its contents
  *       shaders: instances (name, shader, bound bytes, parameters (name, floats, use,
  *         geometric)), lights
- *       chunks: (instance, vertices, triangles)
+ *       chunks: (instance, vertices, 2 triangles + begins a run, sharing (distance, vertices))
  *       regions: samples, map floats, entries (chunk - one before, 2 triangles + covers),
  *         works (shader, operations (number, count)) */
 #define RECORD_MAGIC 0x524c5453u /* "STLR" */
 enum {
-    RECORD_VERSION = 2,
+    RECORD_VERSION = 3,
     RECORD_AT_MAGIC = 0,
     RECORD_AT_VERSION = 4,
     RECORD_AT_LENGTH = 8,

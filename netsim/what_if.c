@@ -12,6 +12,7 @@ struct frame_layout {
     struct timing_work *work;
     uint32_t *shading_node;
     uint32_t *map_bytes; /* [instance] */
+    uint32_t *vertices;  /* [chunk] that come with it besides those of its group before it */
 };
 
 struct what_if_solver {
@@ -23,8 +24,7 @@ struct what_if_solver {
         uint64_t seed;
     } distributed;   /* what the layouts were made for; no nodes: nothing yet */
     uint32_t *place; /* [node] its work entry in the region at hand, plus 1 */
-    ticks *load;     /* [shading node] */
-    uint32_t place_count, load_count;
+    uint32_t place_count;
 };
 
 struct what_if what_if_default(const struct run_record *record) {
@@ -47,6 +47,7 @@ struct what_if_solver *what_if_solver_create(const struct run_record *record) {
         layout->work = memory_get(frame->entry_count, sizeof *layout->work);
         layout->shading_node = memory_get(frame->region_count, sizeof *layout->shading_node);
         layout->map_bytes = memory_get(frame->instance_count, sizeof *layout->map_bytes);
+        layout->vertices = memory_get(frame->chunk_count, sizeof *layout->vertices);
     }
     return solver;
 }
@@ -59,27 +60,34 @@ void what_if_solver_destroy(struct what_if_solver *solver) {
         free(solver->layouts[f].work);
         free(solver->layouts[f].shading_node);
         free(solver->layouts[f].map_bytes);
+        free(solver->layouts[f].vertices);
     }
     free(solver->layouts);
     free(solver->frames);
     free(solver->place);
-    free(solver->load);
     free(solver);
 }
 
-/* Numbers the groups of chunks that are dealt together; returns how many. */
+/* Numbers the groups of chunks that would be one chunk of so many triangles; returns how many.
+ * Vertices that a chunk has in common with those of its group before it come once. */
 static uint32_t group_chunks(const struct record_frame *frame, uint32_t chunk_triangles,
-                             uint32_t *group) {
-    uint32_t count = 0;
+                             uint32_t *group, uint32_t *vertices) {
+    uint32_t count = 0, first = 0;
     uint64_t triangles = 0;
     for (uint32_t c = 0; c < frame->chunk_count; c++) {
         const struct record_chunk *chunk = &frame->chunks[c];
         triangles += chunk->triangles;
-        if (!c || chunk->instance != chunk[-1].instance || triangles > chunk_triangles) {
+        if (chunk->begins_run || triangles > chunk_triangles) {
             count++;
             triangles = chunk->triangles;
+            first = c;
         }
         group[c] = count - 1;
+        vertices[c] = chunk->vertices;
+        for (uint32_t s = 0; s < chunk->sharing_count; s++) {
+            const struct record_sharing *sharing = &frame->sharing[chunk->first_sharing + s];
+            vertices[c] -= sharing->distance <= c - first ? sharing->vertices : 0;
+        }
     }
     return count;
 }
@@ -94,7 +102,7 @@ static int compare_nodes(const void *a, const void *b) {
 static void distribute_frame(struct what_if_solver *solver, const struct record_frame *frame,
                              struct frame_layout *layout, const struct what_if *question) {
     uint32_t *group = memory_get(frame->chunk_count, sizeof *group);
-    const uint32_t groups = group_chunks(frame, question->chunk_triangles, group);
+    const uint32_t groups = group_chunks(frame, question->chunk_triangles, group, layout->vertices);
     uint32_t *node = distribution_assign(groups, question->rendering_nodes, question->seed);
     struct timing_work *work = layout->work;
     for (uint32_t k = 0; k < frame->region_count; k++) {
@@ -203,13 +211,17 @@ uint32_t what_if_map_bytes(const struct record_frame *frame, uint32_t instance,
            (question->maps & WHAT_IF_MAPS_POSITION ? POSITION_BYTES : 0);
 }
 
-/* What the geometry network carries when maps differ from those recorded: vertices with more or
- * fewer floats, and newly bound parameters once. */
-static uint64_t geometry_bytes(const struct record_frame *frame, const struct what_if *question) {
+/* What the geometry network carries: with other maps vertices of more or fewer floats, and newly
+ * bound parameters once; with other chunks fewer vertices. */
+static uint64_t geometry_bytes(const struct record_frame *frame, const uint32_t *vertices,
+                               const struct what_if *question) {
     uint64_t bytes = 0, bound = 0;
     for (int cause = 0; cause < CAUSE_COUNT; cause++)
         bytes += frame->geometry_bytes[cause];
-    if (!question->bind_count && !(question->maps & WHAT_IF_MAPS_UNBOUND))
+    if (question->assignment == WHAT_IF_BY_COST)
+        bytes += WHAT_IF_ASSIGNMENT_BYTES * (uint64_t)frame->region_count;
+    if (!question->bind_count && !(question->maps & WHAT_IF_MAPS_UNBOUND) &&
+        !question->chunk_triangles)
         return bytes;
     uint32_t *recorded = memory_get(frame->instance_count, sizeof *recorded),
              *floats = memory_get(frame->instance_count, sizeof *floats);
@@ -222,8 +234,8 @@ static uint64_t geometry_bytes(const struct record_frame *frame, const struct wh
                 is_bound_now(instance, &instance->parameters[p], question))
                 bound += 4 * (uint64_t)instance->parameters[p].floats;
     }
-    bytes = bytes - record_primitive_bytes(frame, recorded) +
-            record_primitive_bytes(frame, floats) + bound;
+    bytes = bytes - record_primitive_bytes(frame, recorded, NULL) +
+            record_primitive_bytes(frame, floats, vertices) + bound;
     free(recorded);
     free(floats);
     return bytes;
@@ -332,22 +344,69 @@ static int64_t longest_map(const struct record_frame *frame, const struct record
 }
 
 /* To the node with the least shading so far, the lower number of several. */
-static void assign_by_cost(struct what_if_solver *solver, const struct record_frame *frame,
-                           struct frame_layout *layout, uint32_t shading_nodes) {
-    if (solver->load_count < shading_nodes) {
-        free(solver->load);
-        solver->load = memory_get(shading_nodes, sizeof *solver->load);
-        solver->load_count = shading_nodes;
+static uint32_t give_to_least(ticks *load, uint32_t shading_nodes, ticks shading) {
+    uint32_t least = 0;
+    for (uint32_t j = 1; j < shading_nodes; j++)
+        if (load[j] < load[least])
+            least = j;
+    load[least] = ticks_add(load[least], shading);
+    return least;
+}
+
+void what_if_assign(const struct run_record *record, uint32_t f, const struct machine *machine,
+                    uint32_t shading_nodes, uint32_t *node) {
+    const struct record_frame *frame =
+        &record->frames[f < record->frame_count ? f : record->frame_count - 1];
+    struct what_if question = what_if_default(record);
+    struct prices prices = {.loading = NULL};
+    ticks *load = memory_get(shading_nodes, sizeof *load);
+    question.machine = *machine;
+    price_operations(&question, &prices);
+    for (uint32_t k = 0; k < frame->region_count; k++)
+        node[k] = give_to_least(load, shading_nodes,
+                                shading_of(frame, &frame->regions[k], &question, &prices));
+    free(load);
+}
+
+static bool check_machine(const struct run_record *record, const struct machine *machine,
+                          struct status *status) {
+    if (machine->region_width == record->machine.region_width &&
+        machine->region_height == record->machine.region_height)
+        return true;
+    return status_fail(status, STATUS_INVALID,
+                       "the record holds regions of %lld x %lld samples, machine %s has %lld x "
+                       "%lld: record a run with that machine",
+                       (long long)record->machine.region_width,
+                       (long long)record->machine.region_height, machine->name,
+                       (long long)machine->region_width, (long long)machine->region_height);
+}
+
+bool what_if_can_assign(const struct run_record *record, uint32_t f, const struct machine *machine,
+                        uint32_t region_count, struct status *status) {
+    if (!record->frame_count)
+        return status_fail(status, STATUS_INVALID, "the record of costs holds no frame");
+    const struct record_frame *frame =
+        &record->frames[f < record->frame_count ? f : record->frame_count - 1];
+    return check_machine(record, machine, status) &&
+           (frame->region_count == region_count ||
+            status_fail(status, STATUS_INVALID,
+                        "the record of costs has %u regions in frame %d, but here are %u: record "
+                        "a run of a picture of this size",
+                        frame->region_count, frame->number, region_count));
+}
+
+static void assign_by_cost(const struct record_frame *frame, uint32_t f,
+                           struct frame_layout *layout, const struct what_if *question) {
+    if (question->costs) {
+        what_if_assign(question->costs, f, &question->machine, question->shading_nodes,
+                       layout->shading_node);
+        return;
     }
-    memset(solver->load, 0, shading_nodes * sizeof *solver->load);
-    for (uint32_t k = 0; k < frame->region_count; k++) {
-        uint32_t least = 0;
-        for (uint32_t j = 1; j < shading_nodes; j++)
-            if (solver->load[j] < solver->load[least])
-                least = j;
-        layout->shading_node[k] = least;
-        solver->load[least] = ticks_add(solver->load[least], layout->regions[k].shading);
-    }
+    ticks *load = memory_get(question->shading_nodes, sizeof *load);
+    for (uint32_t k = 0; k < frame->region_count; k++)
+        layout->shading_node[k] =
+            give_to_least(load, question->shading_nodes, layout->regions[k].shading);
+    free(load);
 }
 
 /* Fills in what depends on machine, maps and functions. */
@@ -363,7 +422,8 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
     struct prices prices = *base;
     ticks *loading = price_loading(frame, question, base);
     prices.loading = loading;
-    *result = (struct what_if_frame){.geometry_bytes = geometry_bytes(frame, question)};
+    *result =
+        (struct what_if_frame){.geometry_bytes = geometry_bytes(frame, layout->vertices, question)};
     for (uint32_t k = 0; k < frame->region_count; k++) {
         const struct record_region *region = &frame->regions[k];
         struct timing_region *timing = &layout->regions[k];
@@ -379,7 +439,7 @@ static void price_frame(struct what_if_solver *solver, uint32_t f, const struct 
     }
     free(loading);
     if (question->assignment == WHAT_IF_BY_COST)
-        assign_by_cost(solver, frame, layout, question->shading_nodes);
+        assign_by_cost(frame, f, layout, question);
 }
 
 static ticks longest(const ticks *times, uint32_t count) {
@@ -409,17 +469,14 @@ static enum timing_resource bound_of(const struct what_if_result *result) {
     return most;
 }
 
-static bool check_machine(const struct run_record *record, const struct machine *machine,
-                          struct status *status) {
-    if (machine->region_width == record->machine.region_width &&
-        machine->region_height == record->machine.region_height)
+static bool check_chunks(const struct run_record *record, uint32_t chunk_triangles,
+                         struct status *status) {
+    if (chunk_triangles % record->chunk_triangles == 0)
         return true;
     return status_fail(status, STATUS_INVALID,
-                       "the record holds regions of %lld x %lld samples, machine %s has %lld x "
-                       "%lld: record a run with that machine",
-                       (long long)record->machine.region_width,
-                       (long long)record->machine.region_height, machine->name,
-                       (long long)machine->region_width, (long long)machine->region_height);
+                       "the record holds chunks of %u triangles, from which chunks of %u cannot be "
+                       "put together: record a run with --chunk-triangles %u, or a divisor of it",
+                       record->chunk_triangles, chunk_triangles, chunk_triangles);
 }
 
 bool what_if_solve(struct what_if_solver *solver, const struct what_if *question,
@@ -427,8 +484,13 @@ bool what_if_solve(struct what_if_solver *solver, const struct what_if *question
                    struct status *status) {
     const struct run_record *record = solver->record;
     struct prices prices = {.loading = NULL};
-    if (!check_machine(record, &question->machine, status))
+    if (!check_machine(record, &question->machine, status) ||
+        !check_chunks(record, question->chunk_triangles, status))
         return false;
+    for (uint32_t f = 0; question->costs && f < record->frame_count; f++)
+        if (!what_if_can_assign(question->costs, f, &question->machine,
+                                record->frames[f].region_count, status))
+            return false;
     price_operations(question, &prices);
     distribute(solver, question);
     struct timing_model *model = timing_model_create(

@@ -12,7 +12,7 @@
 
 /* Which shading node gets a region. X(NAME, name in options) */
 #define WHAT_IF_ASSIGNMENTS(X)                                                                     \
-    X(ROUND_ROBIN, "round-robin") /* region k to node k mod s, as live */                          \
+    X(ROUND_ROBIN, "round-robin") /* region k to node k mod s */                                   \
     X(BY_COST, "by-cost") /* in order, to the node with the least shading so far in the frame */
 enum what_if_assignment {
 #define WHAT_IF_ASSIGNMENT_ENUM(name, text) WHAT_IF_##name,
@@ -55,9 +55,11 @@ struct what_if {
     const struct strategy *strategy;
     uint32_t rendering_nodes, shading_nodes;
     uint64_t seed;
-    uint32_t chunk_triangles; /* consecutive chunks of one instance are dealt together up to so
-                                 many; 0: chunks as recorded */
+    uint32_t chunk_triangles; /* of a chunk, at most: the record's number or a multiple of it; 0:
+                                 chunks as recorded */
     enum what_if_assignment assignment;
+    const struct run_record *costs; /* assignment by what regions cost there; NULL: by what they
+                                       cost here, under this question */
     enum what_if_math math;
     uint32_t maps; /* enum what_if_maps */
     const struct what_if_bind *binds;
@@ -86,9 +88,19 @@ struct what_if_solver;
 struct what_if_solver *what_if_solver_create(const struct run_record *record);
 void what_if_solver_destroy(struct what_if_solver *solver);
 /* `timeline`, when not NULL, is given everything that happens. Fails with STATUS_INVALID when the
- * machine has other regions than the record, with STATUS_LIMIT when a time passes 63 bits. */
+ * machine has other regions than the record or chunks cannot be put together from its, with
+ * STATUS_LIMIT when a time passes 63 bits. */
 bool what_if_solve(struct what_if_solver *solver, const struct what_if *question,
                    struct timeline *timeline, struct what_if_result *result, struct status *status);
+
+/* By cost: the shading node of each region of frame f (from 0; past the last, as the last) of a
+ * record, priced on `machine`. */
+enum { WHAT_IF_ASSIGNMENT_BYTES = 2 }; /* of a region, on the geometry network (ours) */
+void what_if_assign(const struct run_record *record, uint32_t f, const struct machine *machine,
+                    uint32_t shading_nodes, uint32_t *node);
+/* Can a frame of so many regions of this machine be assigned by it? */
+bool what_if_can_assign(const struct run_record *record, uint32_t f, const struct machine *machine,
+                        uint32_t region_count, struct status *status);
 
 /* Bytes that travel with each sample of instance i (from 0) of a frame under these maps, the shader
  * ID aside. */

@@ -16,17 +16,20 @@ struct chunk_builder {
     const struct scene_mesh *mesh;
     struct component_source *components;
     uint32_t component_count;
-    uint32_t *local;  /* vertex of the mesh -> vertex of the chunk, valid when stamp matches */
-    uint32_t *stamp;  /* number of the chunk (plus 1) that last used the vertex */
-    float *positions; /* CHUNK_VERTICES_MAX * 3 */
+    uint32_t *local; /* vertex of the mesh -> vertex of the chunk, valid when stamp matches */
+    uint32_t *stamp; /* number of the chunk (plus 1) that last used the vertex */
+    float *positions;
     float *material;
     float **transformed; /* values in camera space that the mesh has in object space */
     size_t transformed_count, transformed_capacity;
-    uint16_t triangles[CHUNK_TRIANGLES_MAX * 3];
+    uint16_t *triangles;
     struct chunk_payload chunk;
-    struct message **messages;
-    size_t message_count, message_capacity;
+    struct chunk_list *list;
+    uint32_t chunk_triangles; /* at most */
     uint32_t frame_index;
+    uint32_t run;                   /* number of the first chunk of the run at hand */
+    struct record_sharing *sharing; /* of the chunk at hand with others of the run */
+    size_t sharing_count, sharing_capacity;
 };
 
 static const struct scene_variable *find_variable(const struct scene_mesh *mesh, const char *name) {
@@ -87,20 +90,50 @@ static void flush_chunk(struct chunk_builder *builder) {
     struct chunk_payload *chunk = &builder->chunk;
     if (!chunk->triangle_count)
         return;
-    chunk->number = (uint32_t)builder->message_count;
+    struct chunk_list *list = builder->list;
+    chunk->number = (uint32_t)list->count;
     chunk->positions = builder->positions;
     chunk->material = builder->material;
     chunk->triangles = builder->triangles;
-    builder->messages = memory_grow(builder->messages, &builder->message_capacity,
-                                    builder->message_count + 1, sizeof *builder->messages);
-    builder->messages[builder->message_count++] = chunk_payload_encode(chunk, builder->frame_index);
+    list->messages =
+        memory_grow(list->messages, &list->capacity, list->count + 1, sizeof *list->messages);
+    list->messages[list->count++] = chunk_payload_encode(chunk, builder->frame_index);
+    if (list->is_recorded)
+        record_add_chunk(&list->recorded,
+                         (struct record_chunk){.instance = chunk->shader_id,
+                                               .vertices = chunk->vertex_count,
+                                               .triangles = chunk->triangle_count,
+                                               .begins_run = chunk->number == builder->run},
+                         builder->sharing, (uint32_t)builder->sharing_count);
+    builder->sharing_count = 0;
     chunk->vertex_count = chunk->triangle_count = 0;
+}
+
+/* What follows is separate from what was before. */
+static void end_run(struct chunk_builder *builder) {
+    flush_chunk(builder);
+    builder->run = (uint32_t)builder->list->count;
+}
+
+/* The vertex was last in the chunk so far before the one at hand. */
+static void note_sharing(struct chunk_builder *builder, uint32_t distance) {
+    size_t i = 0;
+    while (i < builder->sharing_count && builder->sharing[i].distance != distance)
+        i++;
+    if (i == builder->sharing_count) {
+        builder->sharing = memory_grow(builder->sharing, &builder->sharing_capacity,
+                                       ++builder->sharing_count, sizeof *builder->sharing);
+        builder->sharing[i] = (struct record_sharing){distance, 0};
+    }
+    builder->sharing[i].vertices++;
 }
 
 static uint16_t chunk_vertex(struct chunk_builder *builder, uint32_t vertex) {
     struct chunk_payload *chunk = &builder->chunk;
-    const uint32_t stamp = (uint32_t)builder->message_count + 1;
+    const uint32_t stamp = (uint32_t)builder->list->count + 1;
     if (builder->stamp[vertex] != stamp) {
+        if (builder->list->is_recorded && builder->stamp[vertex] > builder->run)
+            note_sharing(builder, stamp - builder->stamp[vertex]);
         builder->stamp[vertex] = stamp;
         builder->local[vertex] = chunk->vertex_count;
         memcpy(builder->positions + chunk->vertex_count * 3,
@@ -132,12 +165,16 @@ static void cut_mesh(struct chunk_builder *builder, const struct shader_program 
     builder->chunk.map_bytes = (uint32_t)program->material_bytes;
     builder->local = memory_get(mesh->vertex_count, sizeof *builder->local);
     builder->stamp = memory_get(mesh->vertex_count, sizeof *builder->stamp);
-    builder->material = memory_get((size_t)CHUNK_VERTICES_MAX * builder->component_count,
-                                   sizeof *builder->material);
+    const size_t vertices =
+        3 * (size_t)(mesh->triangle_count < builder->chunk_triangles ? mesh->triangle_count
+                                                                     : builder->chunk_triangles);
+    builder->positions = memory_get(3 * vertices, sizeof *builder->positions);
+    builder->triangles = memory_get(vertices, sizeof *builder->triangles);
+    builder->material = memory_get(vertices * builder->component_count, sizeof *builder->material);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *corner = mesh->triangles + (size_t)t * 3;
         if (outside && faces_away(mesh, outside, corner, is_perspective)) {
-            flush_chunk(builder); /* a chunk's primitive numbers have no gaps */
+            end_run(builder); /* a chunk's primitive numbers have no gaps */
             continue;
         }
         struct chunk_payload *chunk = &builder->chunk;
@@ -145,24 +182,33 @@ static void cut_mesh(struct chunk_builder *builder, const struct shader_program 
             chunk->first_primitive = first_primitive + t;
         for (int i = 0; i < 3; i++)
             builder->triangles[chunk->triangle_count * 3 + i] = chunk_vertex(builder, corner[i]);
-        if (++chunk->triangle_count == CHUNK_TRIANGLES_MAX)
+        if (++chunk->triangle_count == builder->chunk_triangles)
             flush_chunk(builder);
     }
-    flush_chunk(builder);
+    end_run(builder);
     while (builder->transformed_count)
         free(builder->transformed[--builder->transformed_count]);
     free(builder->components);
     free(builder->local);
     free(builder->stamp);
     free(builder->material);
+    free(builder->positions);
+    free(builder->triangles);
+}
+
+void chunk_list_finish(struct chunk_list *list) {
+    free(list->messages);
+    record_frame_finish(&list->recorded);
+    *list = (struct chunk_list){0};
 }
 
 bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
-                 uint32_t frame_index, struct message ***chunks, size_t *chunk_count,
+                 uint32_t frame_index, uint32_t chunk_triangles, struct chunk_list *list,
                  struct status *status) {
     struct chunk_builder *builder = memory_get(1, sizeof *builder);
     builder->frame_index = frame_index;
-    builder->positions = memory_get(CHUNK_VERTICES_MAX * 3, sizeof(float));
+    builder->chunk_triangles = chunk_triangles;
+    builder->list = list;
     uint64_t primitives = 0;
     bool ok = true;
     for (size_t m = 0; ok && m < frame->mesh_count; m++) {
@@ -175,9 +221,7 @@ bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
                      (uint32_t)primitives, frame->camera.is_perspective);
         primitives += builder->mesh->triangle_count;
     }
-    *chunks = builder->messages;
-    *chunk_count = builder->message_count;
-    free(builder->positions);
+    free(builder->sharing);
     free(builder->transformed);
     free(builder);
     return ok;

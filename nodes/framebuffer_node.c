@@ -217,6 +217,23 @@ static void fill_times(struct framebuffer_node *self, struct collected_frame *fr
     snprintf(record->image_path, sizeof record->image_path, "%s", frame->frame.image_path);
 }
 
+static bool solve_time(struct framebuffer_node *self, const struct collected_frame *frame,
+                       struct timing_result *result, struct status *status) {
+    uint32_t *node = NULL;
+    if (frame->frame.assigned_count) {
+        node = memory_get(frame->grid.count, sizeof *node);
+        for (uint32_t k = 0; k < frame->grid.count; k++)
+            node[k] = frame->frame.assigned[k];
+    }
+    const struct timing_frame costs = {.geometry_bytes = frame->record.geometry.total,
+                                       .regions = frame->timing,
+                                       .region_count = frame->grid.count,
+                                       .shading_node = node};
+    const bool ok = timing_model_add_frame(self->timing, &costs, result, status);
+    free(node);
+    return ok;
+}
+
 static bool complete_frame(struct framebuffer_node *self, struct collected_frame *frame,
                            struct node_outputs *outputs, struct status *status) {
     struct frame_record *record = &frame->record;
@@ -224,11 +241,8 @@ static bool complete_frame(struct framebuffer_node *self, struct collected_frame
         record->geometry.bytes[cause] = frame->geometry_bytes[cause];
         record->geometry.total += frame->geometry_bytes[cause];
     }
-    const struct timing_frame costs = {.geometry_bytes = record->geometry.total,
-                                       .regions = frame->timing,
-                                       .region_count = frame->grid.count};
     struct timing_result result;
-    if (!timing_model_add_frame(self->timing, &costs, &result, status))
+    if (!solve_time(self, frame, &result, status))
         return false;
     fill_times(self, frame, &result);
     record->nan_colours = frame->image.nan_colours;
@@ -340,7 +354,8 @@ static bool begin_frame(struct framebuffer_node *self, const struct node_event *
         return status_fail(status, STATUS_INTERNAL, "frame %u begins before frame %u is over",
                            event->header.frame, frame->index);
     if (!frame_payload_decode(event->message, &frame->frame, status) ||
-        !region_grid_check(&frame->frame, &self->configuration.machine, status))
+        !region_grid_check(&frame->frame, &self->configuration.machine,
+                           self->configuration.shading_nodes, status))
         return false;
     frame->frame_message = message_hold(event->message);
     frame->is_begun = true;
@@ -420,10 +435,12 @@ static void framebuffer_node_describe(const struct node *node, char *text, size_
     else if (!frame->is_begun)
         snprintf(text, size, "waits for the next frame from the host");
     else if (frame->added < frame->grid.count)
-        snprintf(
-            text, size, "waits for region %u of frame %d from shading node %u (%u of %u are here)",
-            frame->added, frame->frame.number, frame->added % self->configuration.shading_nodes,
-            frame->arrived, frame->grid.count);
+        snprintf(text, size,
+                 "waits for region %u of frame %d from shading node %u (%u of %u are here)",
+                 frame->added, frame->frame.number,
+                 frame_payload_shading_node(&frame->frame, frame->added,
+                                            self->configuration.shading_nodes),
+                 frame->arrived, frame->grid.count);
     else
         snprintf(text, size, "waits for the host to end frame %d", frame->frame.number);
 }

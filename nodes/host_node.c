@@ -3,6 +3,7 @@
 #include "nodes/stream_cache.h"
 
 #include "netsim/distribution.h"
+#include "netsim/what_if.h"
 #include "nodes/chunker.h"
 #include "nodes/run_recorder.h"
 #include "nodes/work_names.h"
@@ -41,6 +42,7 @@ struct host_node {
     size_t sent_count, sent_capacity;
     struct frame_payload last_frame;
     uint64_t bytes[CAUSE_COUNT]; /* charged for the frame being sent */
+    uint16_t *assigned;          /* shading nodes of its regions; NULL: in turn */
     uint32_t regions;            /* of a frame */
     struct work_names
         names[HOST_FRAMES_UNDER_WAY]; /* of the frames under way, when work is explained */
@@ -207,10 +209,34 @@ static struct frame_payload frame_payload_of(const struct host_node *self,
     return payload;
 }
 
+/* By the costs of a record, when one is given: which shading node gets which region. */
+static bool assign_regions(struct host_node *self, struct frame_payload *payload,
+                           struct status *status) {
+    const struct host_options *options = &self->options;
+    if (!options->costs)
+        return true;
+    const uint32_t count = region_grid_make(payload, &options->machine).count;
+    if (!what_if_can_assign(options->costs, self->next_frame, &options->machine, count, status))
+        return status_prefix(status, "frame %d", payload->number);
+    uint32_t *node = memory_get(count, sizeof *node);
+    free(self->assigned);
+    self->assigned = memory_get(count, sizeof *self->assigned);
+    what_if_assign(options->costs, self->next_frame, &options->machine, options->shading_nodes,
+                   node);
+    for (uint32_t k = 0; k < count; k++)
+        self->assigned[k] = (uint16_t)node[k];
+    free(node);
+    payload->assigned = self->assigned;
+    payload->assigned_count = count;
+    return true;
+}
+
 static bool begin_frame(struct host_node *self, struct frame_payload *payload,
                         struct node_outputs *outputs, struct status *status) {
     char name[4096] = "";
-    if (!region_grid_check(payload, &self->options.machine, status))
+    payload->assigned_count = 0;
+    if (!region_grid_check(payload, &self->options.machine, self->options.shading_nodes, status) ||
+        !assign_regions(self, payload, status))
         return false;
     if (self->options.output && self->options.output[0] &&
         !host_image_name(self->options.output, self->is_sequence, payload->number, name,
@@ -236,6 +262,8 @@ static void end_frame(struct host_node *self, struct node_outputs *outputs) {
     uint64_t bytes[CAUSE_COUNT];
     memcpy(bytes, self->bytes, sizeof bytes);
     broadcast(self, frame_end_encode(bytes, self->next_frame), outputs);
+    /* a record does not depend on who gets which region */
+    bytes[CAUSE_CONTROL] -= WHAT_IF_ASSIGNMENT_BYTES * (uint64_t)self->last_frame.assigned_count;
     if (self->recorder)
         run_recorder_end_frame(self->recorder, bytes);
     memset(self->bytes, 0, sizeof self->bytes);
@@ -245,23 +273,23 @@ static void end_frame(struct host_node *self, struct node_outputs *outputs) {
 static bool send_chunks(struct host_node *self, const struct scene_frame *frame,
                         const struct frame_plan *plan, struct node_outputs *outputs,
                         struct status *status) {
-    struct message **chunks = NULL;
-    size_t count = 0;
-    bool ok = chunker_cut(frame, plan, self->next_frame, &chunks, &count, status);
-    uint32_t *node = distribution_assign(count, self->options.rendering_nodes, self->options.seed);
-    for (size_t i = 0; i < count; i++) {
-        struct chunk_payload chunk;
-        ok = ok && (!self->recorder || chunk_payload_decode(chunks[i], &chunk, status));
-        if (ok && self->recorder)
-            run_recorder_add_chunk(self->recorder, &chunk);
+    struct chunk_list list = {.is_recorded = self->recorder != NULL};
+    const bool ok =
+        chunker_cut(frame, plan, self->next_frame, self->options.chunk_triangles, &list, status);
+    uint32_t *node =
+        distribution_assign(list.count, self->options.rendering_nodes, self->options.seed);
+    if (ok && self->recorder)
+        run_recorder_add_chunks(self->recorder, &list.recorded);
+    for (size_t i = 0; i < list.count; i++) {
         if (ok)
-            send_content(self, (struct sent_message){chunks[i], {NODE_RENDERING, node[i]}, TO_ONE},
+            send_content(self,
+                         (struct sent_message){list.messages[i], {NODE_RENDERING, node[i]}, TO_ONE},
                          outputs);
         else
-            message_release(chunks[i]);
+            message_release(list.messages[i]);
     }
     free(node);
-    free(chunks);
+    chunk_list_finish(&list);
     return ok;
 }
 
@@ -535,6 +563,7 @@ static void host_node_destroy(struct node *node) {
     struct host_report *report = &self->report;
     forget_sent(self);
     free(self->sent);
+    free(self->assigned);
     for (int i = 0; i < HOST_FRAMES_UNDER_WAY; i++)
         work_names_finish(&self->names[i]);
     if (self->upcoming)
@@ -567,6 +596,8 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     struct host_node *self = memory_get(1, sizeof *self);
     self->node = (struct node){.type = &type, .address = {NODE_HOST, 0}, .trace = trace};
     self->options = *options;
+    if (!self->options.chunk_triangles)
+        self->options.chunk_triangles = CHUNK_TRIANGLES_DEFAULT;
     if (observer)
         self->observer = *observer;
     self->build_shaders = build_shaders;
@@ -580,9 +611,9 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     shader_library_set_base(self->library, &base);
     self->report.shaders = self->library;
     if (options->is_recorded) {
-        self->recorder =
-            run_recorder_create(options->scene, &options->machine, options->seed,
-                                options->precision.fast_math, options->rendering_nodes);
+        self->recorder = run_recorder_create(
+            options->scene, &options->machine, options->seed, self->options.chunk_triangles,
+            options->precision.fast_math, options->rendering_nodes);
         self->report.record = run_recorder_record(self->recorder);
     }
     *node = &self->node;

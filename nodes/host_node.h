@@ -21,6 +21,9 @@ struct host_options {
     int skipped_frames; /* of the scene, at its start */
     int frames;         /* 0: as many as the scene has; more than that repeat the last */
     uint64_t seed;
+    const struct run_record *costs; /* regions go to shading nodes by what they cost there; NULL:
+                                       region k to node k mod s */
+    uint32_t chunk_triangles;       /* of a chunk, at most; 0: CHUNK_TRIANGLES_DEFAULT */
     const char
         *output; /* picture to write; NULL or "": none. See image_name.h for several frames */
     bool write_png;

@@ -453,7 +453,8 @@ static bool input_framebuffer(struct pacer *pacer, const struct node_event *even
     if (header->kind == WIRE_FRAME_BEGIN) {
         struct frame_payload frame;
         if (!frame_payload_decode(event->message, &frame, NULL) ||
-            !region_grid_check(&frame, &pacer->configuration.machine, NULL))
+            !region_grid_check(&frame, &pacer->configuration.machine,
+                               pacer->configuration.shading_nodes, NULL))
             return false;
         pacer->region_counts[header->frame % FRAMES_KNOWN] =
             region_grid_make(&frame, &pacer->configuration.machine).count;

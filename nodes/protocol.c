@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/protocol.h"
 
+#include "netsim/what_if.h"
 #include "shaders/simd/shader_module.h"
 
 #include <math.h>
@@ -89,8 +90,12 @@ struct message *frame_payload_encode(const struct frame_payload *frame, uint32_t
     wire_put_u32(&writer, frame->explain_work);
     wire_put_u32(&writer, frame->half_parameters);
     wire_put_u32(&writer, (uint32_t)frame->number);
+    wire_put_u32(&writer, frame->assigned_count);
+    wire_put(&writer, frame->assigned, frame->assigned_count * sizeof *frame->assigned);
     wire_put_string(&writer, frame->image_path);
-    return wire_finish(&writer, control_header(WIRE_FRAME_BEGIN, index, camera_bytes));
+    return wire_finish(&writer, control_header(WIRE_FRAME_BEGIN, index,
+                                               camera_bytes + WHAT_IF_ASSIGNMENT_BYTES *
+                                                                  (uint64_t)frame->assigned_count));
 }
 
 bool frame_payload_decode(const struct message *message, struct frame_payload *frame,
@@ -110,6 +115,8 @@ bool frame_payload_decode(const struct message *message, struct frame_payload *f
     frame->explain_work = wire_get_u32(&reader);
     frame->half_parameters = wire_get_u32(&reader);
     frame->number = (int32_t)wire_get_u32(&reader);
+    frame->assigned_count = wire_get_u32(&reader);
+    frame->assigned = wire_get_array(&reader, frame->assigned_count, sizeof *frame->assigned);
     frame->image_path = wire_get_string(&reader);
     if (!wire_reader_done(&reader, "frame begin", status))
         return false;
@@ -121,13 +128,19 @@ bool frame_payload_decode(const struct message *message, struct frame_payload *f
 }
 
 bool region_grid_check(const struct frame_payload *frame, const struct machine *machine,
-                       struct status *status) {
+                       uint32_t shading_nodes, struct status *status) {
     const uint64_t wide = (uint64_t)frame->width * frame->samples_x,
                    high = (uint64_t)frame->height * frame->samples_y,
                    columns = (wide + (uint64_t)machine->region_width - 1) /
                              (uint64_t)machine->region_width,
                    rows = (high + (uint64_t)machine->region_height - 1) /
                           (uint64_t)machine->region_height;
+    bool is_assigned = !frame->assigned_count || frame->assigned_count == columns * rows;
+    for (uint32_t k = 0; is_assigned && k < frame->assigned_count; k++)
+        is_assigned = frame->assigned[k] < shading_nodes;
+    if (!is_assigned)
+        return status_fail(status, STATUS_INVALID,
+                           "damaged frame begin message: regions and shading nodes");
     if (columns * rows <= REGIONS_MAX)
         return true;
     return status_fail(status, STATUS_LIMIT,

@@ -36,7 +36,8 @@ struct message *shader_payload_encode(const struct shader_payload *shader, uint3
 bool shader_payload_decode(const struct message *message, struct shader_payload *shader,
                            struct status *status);
 
-/* FRAME_BEGIN: camera and picture of the frame. */
+/* FRAME_BEGIN: camera and picture of the frame. Charged: the camera, and 2 bytes for each region
+ * that is assigned. */
 struct frame_payload {
     uint32_t width, height;        /* pixels */
     uint32_t samples_x, samples_y; /* per pixel */
@@ -46,12 +47,18 @@ struct frame_payload {
     uint32_t half_parameters;        /* material parameters are rounded to 16-bit floats */
     double screen_window[4];         /* left, right, bottom, top */
     double near_plane, far_plane;
-    int32_t number;         /* as the scene counts (FrameBegin), for people */
-    const char *image_path; /* "" when no image is wanted */
+    int32_t number;          /* as the scene counts (FrameBegin), for people */
+    uint32_t assigned_count; /* regions of the frame, or 0: region k goes to shading node k mod s */
+    const uint16_t *assigned; /* the shading node of each region */
+    const char *image_path;   /* "" when no image is wanted */
 };
 struct message *frame_payload_encode(const struct frame_payload *frame, uint32_t index);
 bool frame_payload_decode(const struct message *message, struct frame_payload *frame,
                           struct status *status);
+static inline uint32_t frame_payload_shading_node(const struct frame_payload *frame,
+                                                  uint32_t region, uint32_t shading_nodes) {
+    return frame->assigned_count ? frame->assigned[region] : region % shading_nodes;
+}
 
 /* The grid of regions over the samples of a picture. */
 struct region_grid {
@@ -60,9 +67,10 @@ struct region_grid {
     uint32_t columns, rows, count; /* regions */
 };
 enum { REGIONS_MAX = 1 << 24 };
-/* Fails with STATUS_LIMIT when the picture has more than REGIONS_MAX regions. */
+/* Fails with STATUS_LIMIT when the picture has more than REGIONS_MAX regions, and when regions are
+ * assigned that are not there, or to nodes that are not. */
 bool region_grid_check(const struct frame_payload *frame, const struct machine *machine,
-                       struct status *status);
+                       uint32_t shading_nodes, struct status *status);
 /* For a frame that was checked. */
 struct region_grid region_grid_make(const struct frame_payload *frame,
                                     const struct machine *machine);
@@ -104,7 +112,11 @@ uint64_t instance_payload_bound_bytes(const struct instance_payload *instance);
 
 /* CHUNK: consecutive triangles of one instance, in camera space. Charged: 12 bytes a position, 4 a
  * material float, 6 a triangle. */
-enum { CHUNK_TRIANGLES_MAX = 256, CHUNK_VERTICES_MAX = CHUNK_TRIANGLES_MAX * 3 };
+enum {
+    CHUNK_TRIANGLES_DEFAULT = 256,
+    CHUNK_TRIANGLES_MAX = 21845, /* vertex numbers have 16 bits */
+    CHUNK_VERTICES_MAX = CHUNK_TRIANGLES_MAX * 3
+};
 struct chunk_payload {
     uint32_t number;
     uint32_t first_primitive; /* triangles count through the whole frame in scene order */

@@ -9,6 +9,7 @@ enum { REGIONS_UNDER_WAY = 4 };
 /* One region at this node. */
 struct exchanged_region {
     uint32_t frame, region, rank;
+    uint32_t shading_node; /* once begun */
     uint32_t step;
     struct message *held;   /* what the node has by now; NULL: not begun */
     size_t next_send;       /* into schedule->sends */
@@ -18,17 +19,15 @@ struct exchanged_region {
 
 struct region_exchange {
     const struct schedule *schedule;
-    uint32_t node, shading_nodes;
+    uint32_t node;
     struct exchanged_region *regions; /* in order of arrival */
     size_t count, capacity, begun;
 };
 
-struct region_exchange *region_exchange_create(const struct schedule *schedule, uint32_t node,
-                                               uint32_t shading_nodes) {
+struct region_exchange *region_exchange_create(const struct schedule *schedule, uint32_t node) {
     struct region_exchange *exchange = memory_get(1, sizeof *exchange);
     exchange->schedule = schedule;
     exchange->node = node;
-    exchange->shading_nodes = shading_nodes;
     return exchange;
 }
 
@@ -105,7 +104,7 @@ static bool send_step(struct region_exchange *exchange, struct exchanged_region 
             break;
         const struct node_address to =
             move->to == SCHEDULE_SHADING
-                ? (struct node_address){NODE_SHADING, region->region % exchange->shading_nodes}
+                ? (struct node_address){NODE_SHADING, region->shading_node}
                 : (struct node_address){NODE_RENDERING,
                                         schedule_node(schedule, move->to, region->region)};
         struct message *part = part_of_held(exchange, region, move->first, move->end,
@@ -187,9 +186,10 @@ static bool progress(struct region_exchange *exchange, struct exchanged_region *
 }
 
 bool region_exchange_begin(struct region_exchange *exchange, uint32_t frame, uint32_t region,
-                           struct message *own, struct node_outputs *outputs,
+                           uint32_t shading_node, struct message *own, struct node_outputs *outputs,
                            struct status *status) {
     struct exchanged_region *exchanged = find_or_add(exchange, frame, region);
+    exchanged->shading_node = shading_node;
     exchanged->held = own;
     exchange->begun++;
     return progress(exchange, exchanged, outputs, status) ||

@@ -21,15 +21,15 @@ void early_messages_finish(struct early_messages *early);
 struct region_exchange;
 
 /* `schedule` must outlive it. */
-struct region_exchange *region_exchange_create(const struct schedule *schedule, uint32_t node,
-                                               uint32_t shading_nodes);
+struct region_exchange *region_exchange_create(const struct schedule *schedule, uint32_t node);
 void region_exchange_destroy(struct region_exchange *exchange);
 
 /* Whether another region may be begun, or so many are under way that others must come first. */
 bool region_exchange_has_room(const struct region_exchange *exchange);
-/* Begins a region with what the node itself has of it; takes the hold over. */
+/* Begins a region that goes to a shading node with what the node itself has of it; takes the hold
+ * over. */
 bool region_exchange_begin(struct region_exchange *exchange, uint32_t frame, uint32_t region,
-                           struct message *own, struct node_outputs *outputs,
+                           uint32_t shading_node, struct message *own, struct node_outputs *outputs,
                            struct status *status);
 /* A part from another rendering node. */
 bool region_exchange_receive(struct region_exchange *exchange, const struct node_event *event,

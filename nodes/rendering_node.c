@@ -92,7 +92,8 @@ static bool begin_frame(struct rendering_node *self, const struct node_event *ev
         return status_fail(status, STATUS_INTERNAL, "frame %u begins before frame %u is over",
                            event->header.frame, slot->index);
     if (!frame_payload_decode(event->message, &slot->frame, status) ||
-        !region_grid_check(&slot->frame, &self->configuration.machine, status))
+        !region_grid_check(&slot->frame, &self->configuration.machine,
+                           self->configuration.shading_nodes, status))
         return false;
     slot->frame_message = message_hold(event->message);
     slot->is_begun = true;
@@ -214,13 +215,16 @@ static void send_empty(struct rendering_node *self, uint32_t frame, uint32_t fir
 
 /* Downstream: the next rendering node; from the last one the shading node of the region, or
  * straight the framebuffer node when there is nothing to shade. */
-static void send_region(struct rendering_node *self, uint32_t region, struct message *message,
-                        uint32_t sample_count, struct node_outputs *outputs) {
+static void send_region(struct rendering_node *self, const struct frame_slot *slot, uint32_t region,
+                        struct message *message, uint32_t sample_count,
+                        struct node_outputs *outputs) {
     const uint32_t index = self->node.address.index;
     struct node_address next = {NODE_RENDERING, index + 1};
     if (next.index == self->configuration.rendering_nodes)
         next = sample_count
-                   ? (struct node_address){NODE_SHADING, region % self->configuration.shading_nodes}
+                   ? (struct node_address){NODE_SHADING, frame_payload_shading_node(
+                                                             &slot->frame, region,
+                                                             self->configuration.shading_nodes)}
                    : (struct node_address){NODE_FRAMEBUFFER, 0};
     node_send(outputs, next, message);
 }
@@ -232,7 +236,7 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
     const uint32_t samples = grid->region_width * grid->region_height;
     struct region_view upstream = {0}, own;
     if (!has_own) { /* passed on as it came */
-        send_region(self, pending->region, message_hold(pending->message),
+        send_region(self, slot, pending->region, message_hold(pending->message),
                     region_sample_count(pending->message->bytes, pending->message->length),
                     outputs);
         return true;
@@ -254,7 +258,7 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
         message_release(mine);
         mine = both;
     }
-    send_region(self, pending->region, mine, count, outputs);
+    send_region(self, slot, pending->region, mine, count, outputs);
     return true;
 }
 
@@ -273,7 +277,11 @@ static bool begin_exchange(struct rendering_node *self, struct pending *head, bo
         nothing = region_draft_create((struct region_head){0});
         own = region_seal(&nothing, head->frame, region, node_address_pack(self->node.address));
     }
-    return region_exchange_begin(self->exchange, head->frame, region, own, outputs, status);
+    return region_exchange_begin(self->exchange, head->frame, region,
+                                 frame_payload_shading_node(&slot_of(self, head->frame)->frame,
+                                                            region,
+                                                            self->configuration.shading_nodes),
+                                 own, outputs, status);
 }
 
 /* Takes the queue's head as far as the next region that carries anything. */
@@ -325,8 +333,7 @@ static void join_network(struct rendering_node *self) {
     const struct configuration *configuration = &self->configuration;
     self->schedule = schedule_create(configuration->strategy->plan, configuration->rendering_nodes,
                                      (uint32_t)machine_region_samples(&configuration->machine));
-    self->exchange = region_exchange_create(self->schedule, self->node.address.index,
-                                            configuration->shading_nodes);
+    self->exchange = region_exchange_create(self->schedule, self->node.address.index);
     self->node.takes_always = true;
 }
 

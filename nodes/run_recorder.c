@@ -21,11 +21,11 @@ struct run_recorder {
     struct pending_frame *pending; /* by frame */
     size_t pending_capacity;
     uint32_t complete_count;
-    uint32_t chunk_capacity;
 };
 
 struct run_recorder *run_recorder_create(const char *scene, const struct machine *machine,
-                                         uint64_t seed, bool fast_math, uint32_t rendering_nodes) {
+                                         uint64_t seed, uint32_t chunk_triangles, bool fast_math,
+                                         uint32_t rendering_nodes) {
     struct run_recorder *recorder = memory_get(1, sizeof *recorder);
     const char *slash = strrchr(scene, '/');
     recorder->rendering_nodes = rendering_nodes;
@@ -33,6 +33,7 @@ struct run_recorder *run_recorder_create(const char *scene, const struct machine
     recorder->record->scene = memory_copy_string(slash ? slash + 1 : scene);
     recorder->record->machine = *machine;
     recorder->record->seed = seed;
+    recorder->record->chunk_triangles = chunk_triangles;
     recorder->record->fast_math = fast_math;
     return recorder;
 }
@@ -68,7 +69,6 @@ void run_recorder_begin_frame(struct run_recorder *recorder, int number,
     frame->samples_y = payload->samples_y;
     frame->region_count = region_grid_make(payload, &recorder->record->machine).count;
     frame->regions = memory_get(frame->region_count, sizeof *frame->regions);
-    recorder->chunk_capacity = 0;
     const uint32_t count = recorder->record->frame_count;
     recorder->pending = memory_grow(recorder->pending, &recorder->pending_capacity, count,
                                     sizeof *recorder->pending);
@@ -109,14 +109,8 @@ void run_recorder_add_plan(struct run_recorder *recorder, const struct frame_pla
         frame->lights[l] = memory_copy_string(plan->lights[l].name);
 }
 
-void run_recorder_add_chunk(struct run_recorder *recorder, const struct chunk_payload *chunk) {
-    struct record_frame *frame = last_frame(recorder);
-    size_t capacity = recorder->chunk_capacity;
-    frame->chunks =
-        memory_grow(frame->chunks, &capacity, frame->chunk_count + 1, sizeof *frame->chunks);
-    recorder->chunk_capacity = (uint32_t)capacity;
-    frame->chunks[frame->chunk_count++] =
-        (struct record_chunk){chunk->shader_id, chunk->vertex_count, chunk->triangle_count};
+void run_recorder_add_chunks(struct run_recorder *recorder, const struct record_frame *chunks) {
+    record_copy_chunks(last_frame(recorder), chunks);
 }
 
 void run_recorder_repeat(struct run_recorder *recorder) {

@@ -11,7 +11,8 @@
 struct run_recorder;
 
 struct run_recorder *run_recorder_create(const char *scene, const struct machine *machine,
-                                         uint64_t seed, bool fast_math, uint32_t rendering_nodes);
+                                         uint64_t seed, uint32_t chunk_triangles, bool fast_math,
+                                         uint32_t rendering_nodes);
 void run_recorder_destroy(struct run_recorder *recorder);
 
 /* The next frame, in order of indices from 0. */
@@ -19,7 +20,7 @@ void run_recorder_begin_frame(struct run_recorder *recorder, int number,
                               const struct frame_payload *frame);
 /* What the frame begun last is made of. */
 void run_recorder_add_plan(struct run_recorder *recorder, const struct frame_plan *plan);
-void run_recorder_add_chunk(struct run_recorder *recorder, const struct chunk_payload *chunk);
+void run_recorder_add_chunks(struct run_recorder *recorder, const struct record_frame *chunks);
 /* ... or that it is made of the same as the one before it. */
 void run_recorder_repeat(struct run_recorder *recorder);
 void run_recorder_end_frame(struct run_recorder *recorder, const uint64_t bytes[CAUSE_COUNT]);

@@ -437,7 +437,8 @@ static bool begin_frame(struct shading_node *self, const struct node_event *even
     *retired = *frame;
     *frame = (struct shading_frame){.is_begun = true, .index = event->header.frame};
     if (!frame_payload_decode(event->message, &frame->frame, status) ||
-        !region_grid_check(&frame->frame, &self->configuration.machine, status))
+        !region_grid_check(&frame->frame, &self->configuration.machine,
+                           self->configuration.shading_nodes, status))
         return false;
     frame->frame_message = message_hold(event->message);
     frame->grid = region_grid_make(&frame->frame, &self->configuration.machine);

@@ -194,7 +194,7 @@ static bool parse_axis(struct analysis_options *options, int kind, const char *t
     const bool is_nodes = kind == ANALYSIS_RENDERING_NODES || kind == ANALYSIS_SHADING_NODES;
     return values_parse(axis_names[kind].key, text, kind != ANALYSIS_SEED,
                         is_nodes                 ? ANALYSIS_NODES_MAX
-                        : kind == ANALYSIS_CHUNK ? UINT32_MAX
+                        : kind == ANALYSIS_CHUNK ? CHUNK_TRIANGLES_MAX
                                                  : INT64_MAX,
                         &axis->values, &axis->count, status);
 }

@@ -14,7 +14,7 @@
       "machine descriptions, by name or file (default: the record's)")                             \
     X(RENDERING_NODES, "rendering-nodes", "rendering_nodes", "rendering nodes (default 1)")        \
     X(CHUNK, "chunk-triangles", "chunk_triangles",                                                 \
-      "deal out consecutive chunks together up to so many triangles")                              \
+      "triangles dealt out together: multiples of the record's (default: the record's)")           \
     X(SEED, "seed", "seed", "seeds of the distribution of primitives (default: the record's)")     \
     X(SHADING_NODES, "shading-nodes", "shading_nodes", "shading nodes (default 1)")                \
     X(STRATEGY, "composition", "strategy", "composition strategies (default chain)")               \

@@ -2,6 +2,7 @@
 #include "nodes/programs/analysis_options.h"
 #include "nodes/programs/host_run.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -16,8 +17,21 @@ static bool keep_record(void *context, const struct host_report *report, struct 
     return ok;
 }
 
+/* Of all values: chunks of so many triangles answer for each of them. */
+static int64_t common_divisor(const struct analysis_axis *axis) {
+    int64_t divisor = 0;
+    for (size_t i = 0; i < axis->count; i++)
+        for (int64_t value = axis->values[i]; value;) {
+            const int64_t rest = divisor % value;
+            divisor = value;
+            value = rest;
+        }
+    return divisor;
+}
+
 static int record_scene(const struct analysis_options *options, struct run_record **record) {
-    enum { OWN = 6 };
+    enum { OWN = 8 };
+    char triangles[32];
     const char **arguments =
         memory_get((size_t)options->forwarded_count + OWN + 1, sizeof *arguments);
     int count = 0;
@@ -28,6 +42,10 @@ static int record_scene(const struct analysis_options *options, struct run_recor
         if (options->axes[a].kind == ANALYSIS_MACHINE) {
             arguments[count++] = "--machine";
             arguments[count++] = options->axes[a].labels[0];
+        } else if (options->axes[a].kind == ANALYSIS_CHUNK) {
+            snprintf(triangles, sizeof triangles, "%" PRId64, common_divisor(&options->axes[a]));
+            arguments[count++] = "--chunk-triangles";
+            arguments[count++] = triangles;
         }
     for (int i = 0; i < options->forwarded_count; i++)
         arguments[count++] = options->forwarded[i];

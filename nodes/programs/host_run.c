@@ -93,6 +93,8 @@ static struct timeline *solve_again(const struct render_options *options,
     struct what_if question = what_if_default(record);
     struct what_if_result result;
     question.strategy = options->host.strategy;
+    question.assignment = options->by_cost ? WHAT_IF_BY_COST : WHAT_IF_ROUND_ROBIN;
+    question.costs = options->costs;
     question.rendering_nodes = options->host.rendering_nodes;
     question.shading_nodes = options->host.shading_nodes;
     struct timeline *timeline =

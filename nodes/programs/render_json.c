@@ -111,6 +111,7 @@ static cJSON *make_document(const struct render_options *options, const struct h
     cJSON_AddStringToObject(document, "scene", options->host.scene);
     cJSON_AddStringToObject(document, "machine", options->host.machine.name);
     cJSON_AddStringToObject(document, "composition_strategy", options->host.strategy->name);
+    cJSON_AddStringToObject(document, "assignment", options->by_cost ? "by-cost" : "round-robin");
     json_add_whole(document, "rendering_nodes", options->host.rendering_nodes);
     json_add_whole(document, "shading_nodes", options->host.shading_nodes);
     cJSON_AddStringToObject(document, "driver", in_process ? "in-process" : "processes");

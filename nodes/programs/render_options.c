@@ -46,6 +46,9 @@ enum {
     OPTION_PARAMETERS,
     OPTION_EXPLAIN_WORK,
     OPTION_LINK,
+    OPTION_ASSIGNMENT,
+    OPTION_COSTS_FROM,
+    OPTION_CHUNK_TRIANGLES,
 };
 
 static const struct option long_options[] = {
@@ -79,6 +82,9 @@ static const struct option long_options[] = {
     {"deadline", required_argument, NULL, OPTION_DEADLINE},
     {"schedule-seed", required_argument, NULL, OPTION_SCHEDULE_SEED},
     {"composition", required_argument, NULL, OPTION_COMPOSITION},
+    {"assignment", required_argument, NULL, OPTION_ASSIGNMENT},
+    {"costs-from", required_argument, NULL, OPTION_COSTS_FROM},
+    {"chunk-triangles", required_argument, NULL, OPTION_CHUNK_TRIANGLES},
     {"pace", required_argument, NULL, OPTION_PACE},
     {"pace-shaped", no_argument, NULL, OPTION_PACE_SHAPED},
     {"bind", required_argument, NULL, OPTION_BIND},
@@ -114,6 +120,9 @@ static void print_help(bool is_host_program) {
          "binary-swap,\n"
          "                             radix-k or tree (docs/timing.md)\n"
          "      --seed N               seed of the distribution of primitives (default 1)\n"
+         "      --chunk-triangles N    triangles dealt out together, 1 to 21845 (default 256)\n"
+         "      --assignment A         regions to shading nodes: round-robin (default) or by-cost\n"
+         "      --costs-from FILE      for by-cost: a record (--record) of the same picture\n"
          "\n"
          "Picture\n"
          "  -o, --output FILE.exr      picture to write; several frames are numbered: %04d in the "
@@ -304,6 +313,7 @@ static bool parse_one(int option, const char *text, struct render_options *o,
     static const char *const compressions[] = {"none", "rle", "zips", "zip", "piz", NULL};
     static const char *const parameters[] = {"float", "half", NULL};
     static const char *const maths[] = {"exact", "fast", "reference", NULL};
+    static const char *const assignments[] = {"round-robin", "by-cost", NULL};
     long long whole = 0;
     int choice = 0;
     bool ok = true;
@@ -411,6 +421,17 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         return true;
     case OPTION_COMPOSITION:
         return parse_composition(text, &o->host.strategy, status);
+    case OPTION_ASSIGNMENT:
+        ok = parse_choice(text, "--assignment", assignments, &choice, status);
+        o->by_cost = choice == 1;
+        return ok;
+    case OPTION_COSTS_FROM:
+        o->costs_from = text;
+        return true;
+    case OPTION_CHUNK_TRIANGLES:
+        ok = parse_whole(text, "--chunk-triangles", 1, CHUNK_TRIANGLES_MAX, &whole, status);
+        o->host.chunk_triangles = (uint32_t)whole;
+        return ok;
     case OPTION_PACE:
         return parse_pace(text, &o->pace, status);
     case OPTION_BIND:
@@ -496,6 +517,19 @@ static bool read_machine(struct render_options *options, struct status *status) 
     return machine_find_file(options->machine_file[0] ? options->machine_file : "pixelflow", path,
                              sizeof path, status) &&
            machine_read_file(path, &options->host.machine, status);
+}
+
+static bool read_costs(struct render_options *options, struct status *status) {
+    if (options->by_cost != (options->costs_from != NULL))
+        return status_fail(status, STATUS_INVALID,
+                           options->by_cost
+                               ? "--assignment by-cost needs --costs-from FILE: a record of the "
+                                 "same picture (render --record)"
+                               : "--costs-from is for --assignment by-cost");
+    if (options->costs_from && !record_read_file(options->costs_from, &options->costs, status))
+        return false;
+    options->host.costs = options->costs;
+    return true;
 }
 
 static int usage_error(const struct status *status) {
@@ -589,7 +623,7 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
                     "--pace throttles sockets, of which --driver in-process has none");
         return usage_error(&status);
     }
-    if (!read_machine(options, &status))
+    if (!read_machine(options, &status) || !read_costs(options, &status))
         return usage_error(&status);
     if (can_write_results(options, is_host_program, &status))
         return 0;
@@ -602,4 +636,6 @@ void render_options_finish(struct render_options *options) {
         free(options->folders[i]);
     options->host.shader_folder_count = 0;
     fast_calls_finish(&options->host.precision.fast_calls);
+    record_destroy(options->costs);
+    options->costs = NULL;
 }

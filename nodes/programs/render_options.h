@@ -20,7 +20,10 @@ struct render_options {
     bool is_shaped;         /* with pace: the network below throttles the composition link */
     double pace;            /* 0: as fast as this machine can */
     const char *record;     /* file for the record of the run, NULL: none */
-    const char *link;       /* object with extern "C" functions of shaders, NULL: none */
+    bool by_cost;           /* regions to shading nodes */
+    const char *costs_from; /* the record that says what they cost */
+    struct run_record *costs;
+    const char *link; /* object with extern "C" functions of shaders, NULL: none */
     bool explain_time;
     int deadline_s;
     int verbosity;    /* -1 quiet, 0, 1 verbose */

@@ -114,6 +114,9 @@ static bool parse_own(const char *name, const char *value, struct scale_options 
                status_fail(status, STATUS_INVALID, "--live must be from 0 to %d, not \"%s\"",
                            LIVE_MAX, value);
     }
+    if (!strcmp(name, "--assignment") || !strcmp(name, "--costs-from"))
+        return status_fail(status, STATUS_INVALID,
+                           "scale assigns regions in turn; sortlast predict answers for %s", name);
     *is_known = false;
     return true;
 }

@@ -38,14 +38,15 @@ def times(frames):
     return [(frame["time_ticks"], frame["start_ticks"], frame["end_ticks"], frame["bound_by"]) for frame in frames]
 
 
-def check_prediction(scene, cluster_sizes, *arguments, question=()):
+def check_prediction(scene, cluster_sizes, *arguments, questions=((),)):
+    """Records one run, and asks for every cluster, with the options of every question besides."""
     with Folder() as folder:
         folder.render(scene, *IN_PROCESS, *arguments, "--record", folder.file("run.rec"))
-        for r, s in cluster_sizes:
-            live = folder.render(scene, *IN_PROCESS, "-r", r, "-s", s, *arguments, *question)
-            combination = analyse(folder, "predict", folder.file("run.rec"), "-r", r, "-s", s, *question)["combinations"][0]
-            assert times(combination["frames"]) == times(live["frames"]), "%d + %d nodes: %s, live %s" % (
-                r, s, times(combination["frames"]), times(live["frames"]))
+        for r, s, *more in [(*size, *question) for size in cluster_sizes for question in questions]:
+            live = folder.render(scene, *IN_PROCESS, *arguments, "-r", r, "-s", s, *more)
+            combination = analyse(folder, "predict", folder.file("run.rec"), "-r", r, "-s", s, *more)["combinations"][0]
+            assert times(combination["frames"]) == times(live["frames"]), "%d + %d nodes %s: %s, live %s" % (
+                r, s, more, times(combination["frames"]), times(live["frames"]))
             for predicted, frame in zip(combination["frames"], live["frames"]):
                 assert predicted["composition_bytes"] == frame["composition"]["bytes"]["total"]
                 assert predicted["composition_sent_bytes"] == frame["composition"]["sent_bytes"]
@@ -62,8 +63,8 @@ def test_a_prediction_is_what_a_live_run_says():
 
 
 def test_a_prediction_is_what_a_live_run_says_whatever_the_strategy():
-    for strategy in ("direct-send", "binary-swap", "radix-k", "tree"):
-        check_prediction(BOWLING, [(6, 3)], "--format", "200x150", question=("--composition", strategy))
+    check_prediction(BOWLING, [(6, 3)], "--format", "120x100",
+                     questions=[("--composition", name) for name in ("direct-send", "binary-swap", "radix-k", "tree")])
 
 
 def test_a_prediction_is_what_a_live_run_says_with_other_options():
@@ -74,6 +75,54 @@ def test_a_prediction_is_what_a_live_run_says_with_other_options():
         live = folder.render(BOWLING, *IN_PROCESS, "--format", "320x200", "-r", 4, "--seed", 77)
         answer = analyse(folder, "predict", folder.file("run.rec"), "-r", 4, "--seed", 77)
         assert times(answer["combinations"][0]["frames"]) == times(live["frames"])
+
+
+def test_a_prediction_of_other_chunks_is_what_a_live_run_says():
+    """Longer chunks have fewer vertices, are dealt otherwise, and end where a mesh does or a triangle is left out."""
+    for scene in (BOWLING, SOLID):
+        check_prediction(scene, [(5, 2)], "--format", "120x100", "--chunk-triangles", 32,
+                         questions=[("--chunk-triangles", triangles) for triangles in (96, 21824)])
+    with Folder() as folder:
+        small = (BOWLING, "--format", "120x100", "-r", 3)
+        answers = analyse(folder, "predict", *small, "--chunk-triangles", "48,80")["combinations"]
+        for triangles, answer in zip((48, 80), answers):
+            live = folder.render(*small, *IN_PROCESS, "--chunk-triangles", triangles)
+            assert times(answer["frames"]) == times(live["frames"])
+        folder.render(*small, *IN_PROCESS, "--record", folder.file("run.rec"))
+        code, out, err = folder.run("predict", folder.file("run.rec"), "--chunk-triangles", 300)
+        assert code == 1 and "chunks of 256 triangles" in err and "--chunk-triangles 300" in err, (code, err)
+
+
+def test_regions_assigned_by_cost_are_what_was_predicted():
+    with Folder() as folder:
+        options = (BOWLING, "--format", "400x200", "--compression", "none", "-o", folder.file("p.exr"))
+        folder.render(*options, *IN_PROCESS, "--frames", 2, "--record", folder.file("run.rec"))
+        with open(folder.file("run.rec"), "rb") as record:
+            recorded = record.read()
+        turn = folder.render(*options, *IN_PROCESS, "-r", 3, "-s", 4, "-o", folder.file("turn.exr"))
+        by_cost = ("--assignment", "by-cost", "--costs-from", folder.file("run.rec"))
+        for strategy, more in (("chain", IN_PROCESS), ("binary-swap", ())):
+            cluster = ("-r", 3, "-s", 4, "--composition", strategy)
+            answer = analyse(folder, "predict", folder.file("run.rec"), *cluster, "--assignment", "by-cost")["combinations"][0]
+            live = folder.render(*options, *cluster, *more, *by_cost, "--frames", 2, "-o", folder.file("p.%04d.exr"), "--record",
+                                 folder.file("again.rec"), "--explain-time")
+            assert times(answer["frames"]) == times(live["frames"]), (strategy, more)
+            assert live["assignment"] == "by-cost"
+            for predicted, frame in zip(answer["frames"], live["frames"]):
+                assert predicted["geometry_bytes"] == frame["geometry"]["bytes"]["total"]
+                assert predicted["shading_busy_ps"] == max(frame["shading_busy_ps"])
+                assert sum(step["duration_ticks"] for step in frame["critical_path"]) == frame["time_ticks"]
+            folder.assert_same_picture(folder.file("turn.exr"), folder.file("p.0001.exr"))
+            with open(folder.file("again.rec"), "rb") as record:
+                assert record.read() == recorded  # who shades what is no part of it
+            if strategy == "chain":  # better balanced, at two bytes a region
+                assert max(live["frames"][0]["shading_busy_ps"]) < max(turn["frames"][0]["shading_busy_ps"])
+                assert live["frames"][0]["geometry"]["bytes"]["control"] == turn["frames"][0]["geometry"]["bytes"]["control"] + 2 * 16
+        for arguments, words in (((*by_cost[:2],), ("--costs-from",)), ((*by_cost[2:],), ("--assignment",)),
+                                 ((*by_cost, "--format", "64x64"), ("16 regions", "here are 1")),
+                                 ((*by_cost[:3], "none.rec"), ("none.rec",))):
+            code, out, err = folder.run("render", *options, *IN_PROCESS, *arguments)
+            assert code == 1 and all(word in err for word in words), (arguments, code, err)
 
 
 def test_a_record_is_the_same_on_every_cluster():

@@ -34,6 +34,8 @@ static void use(struct run_record *record) {
     question.shading_nodes = 2;
     question.maps = WHAT_IF_MAPS_UNION | WHAT_IF_MAPS_UNBOUND;
     question.assignment = WHAT_IF_BY_COST;
+    if (record->chunk_triangles <= UINT32_MAX / 2)
+        question.chunk_triangles = 2 * record->chunk_triangles;
     struct timeline *timeline = timeline_create(&question.machine, 3, 2);
     struct what_if_solver *solver = what_if_solver_create(record);
     if (what_if_solve(solver, &question, timeline, &result, NULL))

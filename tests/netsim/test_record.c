@@ -64,6 +64,7 @@ static struct run_record *sample_record(uint64_t seed) {
     record->scene = memory_copy_string("sample.rib");
     record->machine = pixelflow();
     record->seed = 5;
+    record->chunk_triangles = 256;
     for (int f = 0; f < 2; f++) {
         struct record_frame *frame = record_add_frame(record);
         frame->number = f + 1;
@@ -82,13 +83,16 @@ static struct run_record *sample_record(uint64_t seed) {
             frame->lights = memory_get(1, sizeof *frame->lights);
             frame->light_count = 1;
             frame->lights[0] = memory_copy_string("lamp");
-            frame->chunk_count = 40;
-            frame->chunks = memory_get(40, sizeof *frame->chunks);
+            /* two runs of twenty; each chunk has 10 vertices in common with the one before, and 3
+             * with the one before that */
+            static const struct record_sharing sharing[] = {{1, 10}, {2, 3}};
             for (uint32_t c = 0; c < 40; c++)
-                frame->chunks[c] = (struct record_chunk){1 + c / 20, 150, 256};
+                record_add_chunk(frame,
+                                 (struct record_chunk){1 + c / 20, 150, 256, c % 20 == 0, 0, 0},
+                                 sharing, c % 20 < 2 ? c % 20 : 2);
         }
         const uint32_t floats[] = {4, 12};
-        frame->geometry_bytes[CAUSE_PRIMITIVES] = record_primitive_bytes(frame, floats);
+        frame->geometry_bytes[CAUSE_PRIMITIVES] = record_primitive_bytes(frame, floats, NULL);
         frame->geometry_bytes[CAUSE_CONTROL] = 100;
         fill_regions(frame, &rng);
     }
@@ -137,7 +141,7 @@ static void damage_of_a_file_is_noticed_and_named(void **state) {
         assert_false(record_decode("run.rec", bytes, cut, &read, &status));
     bytes[RECORD_AT_VERSION]++;
     assert_false(record_decode("run.rec", bytes, length, &read, &status));
-    assert_non_null(strstr(status.message, "version 2"));
+    assert_non_null(strstr(status.message, "version 3"));
     bytes[RECORD_AT_MAGIC]++;
     assert_false(record_decode("run.rec", bytes, length, &read, &status));
     assert_non_null(strstr(status.message, "not a record"));
@@ -326,7 +330,33 @@ static void extremes_are_exact_or_refused_in_words(void **state) {
     record_destroy(record);
 }
 
-/* Grouping chunks by twice their size gives what a record with such chunks would. */
+/* Chunks of twice, three and twenty times the triangles: vertices in common come once. A vertex
+ * takes 12 bytes and 16 of parameters in the first run, 48 in the second. */
+static void longer_chunks_have_vertices_in_common(void **state) {
+    (void)state;
+    struct run_record *record = sample_record(9);
+    struct what_if question = what_if_default(record);
+    struct what_if_frame as_recorded[2], longer[2];
+    struct status status = {0};
+    static const struct {
+        uint32_t factor, shared; /* of a run */
+    } cases[] = {{1, 0}, {2, 10 * 10}, {3, 7 * 10 + 6 * 13}, {20, 19 * 10 + 18 * 3}, {50, 244}};
+    answer(record, &question, as_recorded);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        question.chunk_triangles = 256 * cases[i].factor;
+        answer(record, &question, longer);
+        assert_int_equal(longer[0].geometry_bytes,
+                         as_recorded[0].geometry_bytes - cases[i].shared * (12 + 16 + 12 + 48));
+    }
+    struct what_if_solver *solver = what_if_solver_create(record);
+    struct what_if_result result;
+    question.chunk_triangles = 300;
+    assert_false(what_if_solve(solver, &question, NULL, &result, &status));
+    assert_non_null(strstr(status.message, "300"));
+    what_if_solver_destroy(solver);
+    record_destroy(record);
+}
+
 static void chunks_dealt_together_stay_together(void **state) {
     (void)state;
     struct run_record *record = sample_record(9);
@@ -354,6 +384,7 @@ int main(void) {
         cmocka_unit_test(repricing_goes_both_ways),
         cmocka_unit_test(a_finer_clock_reports_the_same_rational_times),
         cmocka_unit_test(extremes_are_exact_or_refused_in_words),
+        cmocka_unit_test(longer_chunks_have_vertices_in_common),
         cmocka_unit_test(chunks_dealt_together_stay_together),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
