@@ -5,6 +5,7 @@
 #include "shaders/simd/runtime_text.h"
 
 #include <ctype.h>
+#include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -205,11 +206,12 @@ const char *shader_cache_vectors(const struct shader_cache *cache) {
     return cache->width->name;
 }
 
-/* One compilation: where its files are and who runs it. */
+/* One compilation: where its files are and who runs it. All but the object are in a folder of its
+ * own, those of the compiler too, so that none is left however it ends. */
 struct job {
     const struct shader_cache_source *source;
-    char object[PATH_BYTES + 256], temporary[PATH_BYTES + 320], text[PATH_BYTES + 320],
-        words[PATH_BYTES + 320];
+    char object[PATH_BYTES + 256], folder[PATH_BYTES + 320];
+    char temporary[PATH_BYTES + 340], text[PATH_BYTES + 340], words[PATH_BYTES + 340];
     pid_t pid;
 };
 
@@ -229,14 +231,49 @@ static void object_path(const struct shader_cache *cache, const struct shader_ca
              (unsigned long long)source_key(cache, source));
 }
 
+static void job_remove_files(const struct job *job) {
+    DIR *folder = opendir(job->folder);
+    for (const struct dirent *entry; folder && (entry = readdir(folder));)
+        if (entry->d_name[0] != '.')
+            unlinkat(dirfd(folder), entry->d_name, 0);
+    if (folder)
+        closedir(folder);
+    rmdir(job->folder);
+}
+
+static bool job_make_files(struct job *job, struct status *status) {
+    snprintf(job->folder, sizeof job->folder, "%s.%d.tmp", job->object, (int)getpid());
+    snprintf(job->temporary, sizeof job->temporary, "%s/shader.so", job->folder);
+    snprintf(job->text, sizeof job->text, "%s/shader.c", job->folder);
+    snprintf(job->words, sizeof job->words, "%s/words.txt", job->folder);
+    if (mkdir(job->folder, 0700) && errno != EEXIST)
+        return status_fail(status, STATUS_IO, "cannot make the folder %s: %s", job->folder,
+                           strerror(errno));
+    if (write_whole(job->text, job->source->text, strlen(job->source->text), status))
+        return true;
+    job_remove_files(job);
+    return false;
+}
+
+/* The environment, with the job's folder for temporary files; the caller frees [0] and the list. */
+static char **job_environment(const struct job *job) {
+    size_t count = 0, kept = 1;
+    while (environ[count])
+        count++;
+    char **result = memory_get(count + 2, sizeof *result);
+    result[0] = memory_get(strlen(job->folder) + 8, 1);
+    sprintf(result[0], "TMPDIR=%s", job->folder);
+    for (size_t i = 0; i < count; i++)
+        if (strncmp(environ[i], "TMPDIR=", 7))
+            result[kept++] = environ[i];
+    return result;
+}
+
 static bool job_start(const struct shader_cache *cache, struct job *job, struct status *status) {
     const char *arguments[COMPILER_FLAGS_MAX];
     char include[PATH_BYTES + 8], width[32];
     int count = 0;
-    snprintf(job->temporary, sizeof job->temporary, "%s.%d.tmp", job->object, (int)getpid());
-    snprintf(job->text, sizeof job->text, "%s.%d.c", job->object, (int)getpid());
-    snprintf(job->words, sizeof job->words, "%s.%d.txt", job->object, (int)getpid());
-    if (!write_whole(job->text, job->source->text, strlen(job->source->text), status))
+    if (!job_make_files(job, status))
         return false;
     snprintf(include, sizeof include, "-I%s", cache->include);
     snprintf(width, sizeof width, "-DSHADER_WIDTH=%d", cache->width->lanes);
@@ -270,15 +307,17 @@ static bool job_start(const struct shader_cache *cache, struct job *job, struct 
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     posix_spawnattr_setpgroup(&attributes, 0);
+    char **environment = job_environment(job);
     int error = posix_spawnp(&job->pid, cache->compiler, &actions, &attributes,
-                             (char *const *)arguments, environ);
+                             (char *const *)arguments, environment);
+    free(environment[0]);
+    free(environment);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (!error)
         return true;
     job->pid = 0;
-    unlink(job->text);
-    unlink(job->words);
+    job_remove_files(job);
     return status_fail(status, STATUS_NOT_FOUND,
                        "cannot run the C compiler %s: %s (install gcc, or set SORTLAST_CC)",
                        cache->compiler, strerror(error));
@@ -297,7 +336,7 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
         clock_gettime(CLOCK_MONOTONIC, &now);
         if (asked_ms < 0 &&
             (now.tv_sec - begin.tv_sec > COMPILE_DEADLINE_S || (cache->stop && *cache->stop))) {
-            kill(-job->pid, SIGTERM); /* so that it removes its temporary files */
+            kill(-job->pid, SIGTERM);
             asked_ms = 0;
         }
         if (asked_ms >= 0 && (asked_ms += PAUSE_MS) == COMPILER_PATIENCE_MS)
@@ -321,9 +360,7 @@ static bool job_finish(const struct shader_cache *cache, struct job *job, struct
     } else if (ok && rename(job->temporary, job->object)) {
         ok = status_fail(status, STATUS_IO, "cannot write %s: %s", job->object, strerror(errno));
     }
-    unlink(job->temporary);
-    unlink(job->text);
-    unlink(job->words);
+    job_remove_files(job);
     return ok;
 }
 
