@@ -180,10 +180,13 @@ static struct shader_fast_calls fast_calls(const struct shader_library *library,
 }
 
 static bool compile_sources(struct shader_library *library, const struct shader_wanted *wanted,
-                            const char *const *material, struct source_file sources[3],
-                            struct shader_program **program, struct status *status) {
+                            const struct shader_compile_options *extra, const char *const *material,
+                            struct source_file sources[3], struct shader_program **program,
+                            struct status *status) {
     struct included included = {.library = library, .shader_path = sources[0].path};
     const bool is_light = wanted->kind == SHADER_KIND_LIGHT;
+    const bool is_probed =
+        library->precision.probed_shader && !strcmp(library->precision.probed_shader, wanted->name);
     const struct shader_companion before = {sources[1].path, sources[1].text, sources[1].length,
                                             fast_calls(library, wanted->displacement)},
                                   after = {sources[2].path, sources[2].text, sources[2].length,
@@ -203,6 +206,11 @@ static bool compile_sources(struct shader_library *library, const struct shader_
         .allows_external = library->base.allows_external,
         .passes_left_out = library->base.passes_left_out,
         .dump = library->base.dump,
+        .has_probes = extra ? extra->has_probes : is_probed,
+        .writes_source = extra ? extra->writes_source
+                               : library->base.writes_source && wanted->kind == SHADER_KIND_SURFACE,
+        .fixings = extra ? extra->fixings : NULL,
+        .fixing_count = extra ? extra->fixing_count : 0,
         .read_include = read_included,
         .read_include_context = &included};
     const bool ok = shader_compile(sources[0].path, sources[0].text, sources[0].length, &options,
@@ -217,14 +225,15 @@ static bool compile_sources(struct shader_library *library, const struct shader_
 }
 
 static bool compile(struct shader_library *library, const struct shader_wanted *wanted,
-                    const char *const *material, const struct scene_location *at,
-                    struct shader_program **program, struct status *status) {
+                    const struct shader_compile_options *extra, const char *const *material,
+                    const struct scene_location *at, struct shader_program **program,
+                    struct status *status) {
     const char *const names[3] = {wanted->name, wanted->displacement, wanted->atmosphere};
     struct source_file *sources = memory_get(3, sizeof *sources);
     bool ok = true;
     for (int i = 0; ok && i < 3; i++)
         ok = !names[i] || read_source(library, names[i], at, &sources[i], status);
-    ok = ok && compile_sources(library, wanted, material, sources, program, status);
+    ok = ok && compile_sources(library, wanted, extra, material, sources, program, status);
     for (int i = 0; i < 3; i++)
         free(sources[i].text);
     free(sources);
@@ -276,7 +285,7 @@ bool shader_library_variant(struct shader_library *library, const struct shader_
             found = library->entries[i];
     bool ok = true;
     struct shader_program *program;
-    if (!found && (ok = compile(library, wanted, sorted, asked_at, &program, status))) {
+    if (!found && (ok = compile(library, wanted, NULL, sorted, asked_at, &program, status))) {
         found = memory_get(1, sizeof *found);
         const char *const names[3] = {wanted->name, wanted->displacement, wanted->atmosphere};
         for (int n = 0; n < 3; n++)
@@ -295,6 +304,13 @@ bool shader_library_variant(struct shader_library *library, const struct shader_
         return false;
     *variant = &found->variant;
     return true;
+}
+
+bool shader_library_compile(struct shader_library *library, const struct shader_wanted *wanted,
+                            const struct shader_compile_options *extra,
+                            struct shader_program **program, struct status *status) {
+    const struct scene_location nowhere = {.file = wanted->name, .line = 1, .column = 1};
+    return compile(library, wanted, extra, wanted->material, &nowhere, program, status);
 }
 
 uint32_t shader_library_count(const struct shader_library *library) {

@@ -29,6 +29,7 @@ struct shader_precision {
     const char *fast_shaders;     /* names with commas: these use fast functions; NULL: none */
     struct fast_calls fast_calls; /* ... and these calls; stays the caller's */
     bool half_parameters;
+    const char *probed_shader; /* its module notes and rounds its variables; NULL: none */
 };
 
 /* `folders`: where NAME.sl is looked for, in order; copied. */
@@ -54,6 +55,11 @@ struct shader_wanted {
 bool shader_library_variant(struct shader_library *library, const struct shader_wanted *wanted,
                             const struct scene_location *asked_at,
                             const struct shader_variant **variant, struct status *status);
+/* Compiles a shader once more, with what `extra` says of probes, source and fixings; the program is
+ * the caller's and no variant. */
+bool shader_library_compile(struct shader_library *library, const struct shader_wanted *wanted,
+                            const struct shader_compile_options *extra,
+                            struct shader_program **program, struct status *status);
 uint32_t shader_library_count(const struct shader_library *library);
 const struct shader_variant *shader_library_at(const struct shader_library *library,
                                                uint32_t number);

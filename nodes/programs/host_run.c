@@ -2,16 +2,12 @@
 #include "nodes/programs/host_run.h"
 
 #include "netsim/what_if.h"
-#include "nodes/driver_in_process.h"
+#include "nodes/cluster_in_process.h"
 #include "nodes/driver_sockets.h"
-#include "nodes/framebuffer_node.h"
 #include "nodes/local_services.h"
 #include "nodes/programs/explain_report.h"
 #include "nodes/programs/program_process.h"
 #include "nodes/programs/render_report.h"
-#include "nodes/rendering_node.h"
-#include "nodes/shading_node.h"
-#include "nodes/visibility.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -19,31 +15,12 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Every node of the cluster in this process; nodes[0] is the host. */
 static bool run_in_process(struct node *host, const struct render_options *options,
                            struct local_services *services, struct trace *trace,
                            struct status *status) {
-    const uint32_t r = options->host.rendering_nodes, s = options->host.shading_nodes;
-    const struct node_services *interface = local_services_interface(services);
-    struct node **nodes = memory_get((size_t)r + s + 2, sizeof *nodes);
-    size_t count = 0;
-    bool ok = true;
-    struct visibility_device *device = NULL;
-    nodes[count++] = host;
-    ok = visibility_device_create(&device, status);
-    for (uint32_t i = 0; ok && i < r; i++)
-        ok = rendering_node_create(i, device, trace, &nodes[count], status), count += ok;
-    for (uint32_t i = 0; ok && i < s; i++)
-        ok = shading_node_create(i, interface, trace, &nodes[count], status), count += ok;
-    if (ok)
-        ok = framebuffer_node_create(interface, trace, &nodes[count], status), count += ok;
     const struct driver_options driver = {.seed = options->schedule_seed, .stop = &program_stop};
-    ok = ok && driver_in_process_run(nodes, count, &driver, status);
-    for (size_t i = 1; i < count; i++)
-        node_destroy(nodes[i]);
-    visibility_device_destroy(device);
-    free(nodes);
-    return ok;
+    return cluster_in_process_run(host, options->host.rendering_nodes, options->host.shading_nodes,
+                                  local_services_interface(services), trace, &driver, status);
 }
 
 /* When the supervisor itself was killed, nobody else removes the folder of the sockets: as the

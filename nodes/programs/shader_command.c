@@ -39,6 +39,7 @@ static void print_help(void) {
         "  --dump PASS                the program as it is after a pass of the compiler\n"
         "  --without PASS[,PASS...]   leave passes out that only save cost\n"
         "  --c                        the C that is compiled\n"
+        "  --source                   the shader again, functions inlined and vectors taken apart\n"
         "  --render                   shade a grid facing the eye, s and t from 0 to 1\n"
         "    -o FILE.exr                picture to write (default SHADER.exr)\n"
         "    --png                      and a PNG beside it\n"
@@ -114,6 +115,7 @@ enum option_key {
     KEY_DUMP,
     KEY_WITHOUT,
     KEY_C,
+    KEY_SOURCE,
     KEY_RENDER,
     KEY_PNG,
     KEY_FORMAT,
@@ -134,6 +136,7 @@ static const struct option long_options[] = {{"material", 1, NULL, KEY_MATERIAL}
                                              {"dump", 1, NULL, KEY_DUMP},
                                              {"without", 1, NULL, KEY_WITHOUT},
                                              {"c", 0, NULL, KEY_C},
+                                             {"source", 0, NULL, KEY_SOURCE},
                                              {"render", 0, NULL, KEY_RENDER},
                                              {"png", 0, NULL, KEY_PNG},
                                              {"format", 1, NULL, KEY_FORMAT},
@@ -197,6 +200,8 @@ static int take_option(struct shader_options *o, int key) {
         return o->explains = true, -1;
     case KEY_C:
         return o->prints_c = true, -1;
+    case KEY_SOURCE:
+        return o->study.compile.writes_source = true, -1;
     case KEY_RENDER:
         return o->renders = true, -1;
     case KEY_PNG:
@@ -324,8 +329,11 @@ static bool examine(const struct shader_options *o, struct shader_study *study,
     struct shader_report report = {
         .path = o->study.path, .program = shader_study_program(study), .machine = machine};
     collect_warnings(study, &report);
-    if (o->prints_c || o->study.compile.dump) {
-        fputs(o->prints_c ? report.program->c_source : report.program->dump, stdout);
+    if (o->prints_c || o->study.compile.dump || report.program->source) {
+        fputs(o->prints_c             ? report.program->c_source
+              : o->study.compile.dump ? report.program->dump
+                                      : report.program->source,
+              stdout);
         return true;
     }
     if (o->renders && !write_picture(o, study, status))

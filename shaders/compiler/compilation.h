@@ -43,7 +43,8 @@ struct source_location {
 struct compilation {
     struct arena arena;
     const struct shader_compile_options *options;
-    struct shader_program *program; /* being filled; owns only its arena */
+    struct shader_program *program;          /* being filled; owns only its arena */
+    const struct source_location *shader_at; /* the name of the main shader; NULL before checks */
     jmp_buf stop;
     enum status_code code; /* STATUS_OK until the first error */
     int error_count;

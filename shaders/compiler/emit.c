@@ -315,6 +315,7 @@ static void emit_shade(struct emitter *e) {
     emit_line(e, "const struct shader_matrices *matrices SHADER_UNUSED = call->matrices;");
     emit_line(e, "struct shader_texts *texts SHADER_UNUSED = call->texts;");
     emit_variables(e);
+    emit_probe_lanes(e);
     emit_line(e, "const uint64_t k%d SHADER_UNUSED = 0;", e->key);
     if (e->ir->uses_neighbours)
         emit_line(e, "const vi present = shader_load_present(call->present + at);");
@@ -348,6 +349,7 @@ static void emit_light(struct emitter *e) {
     emit_line(e, "struct shader_texts *texts SHADER_UNUSED = self->texts;");
     emit_line(e, "(void)position, (void)overrun;");
     emit_variables(e);
+    emit_probe_lanes(e);
     emit_line(e, "const uint64_t k%d SHADER_UNUSED = key;", e->key);
     emit_list(e, e->ir->top);
     for (int i = 0; i < 3 && !e->ir->is_ambient; i++)
@@ -487,10 +489,14 @@ static void emit_module(struct emitter *e) {
     emit_text(e, "};\n");
 }
 
+void emit_support_text(struct emitter *e, const char *text) {
+    for (; *text; text += strlen(text) < 200 ? strlen(text) : 200)
+        emit_text(e, "%.200s", text);
+}
+
 static void emit_support(struct emitter *e, const char *const *texts, size_t count) {
     for (size_t i = 0; i < count; i++)
-        for (const char *text = texts[i]; *text; text += strlen(text) < 200 ? strlen(text) : 200)
-            emit_text(e, "%.200s", text);
+        emit_support_text(e, texts[i]);
 }
 
 static bool uses_fixed(const struct ir_program *ir) {
@@ -510,6 +516,7 @@ void pass_emit(struct ir_program *ir) {
     if (uses_fixed(ir))
         emit_support(e, fixed_support, sizeof fixed_support / sizeof *fixed_support);
     emit_externals(e);
+    emit_probe_support(e);
     emit_prepare(e);
     e->mask = e->loop_mask = -1;
     if (ir->kind == SHADER_KIND_LIGHT)

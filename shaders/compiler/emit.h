@@ -40,6 +40,14 @@ void emit_list(struct emitter *e, struct ir_list *list);
 void emit_externals(struct emitter *e);
 void emit_external_call(struct emitter *e, const struct ir_node *node, bool is_vector);
 void emit_external_table(struct emitter *e);
+/* Probes, emit_probe.c: nothing at all unless options ask for them. The helpers; the mask `valid`
+ * of the lanes that count; what an instruction gave; fields of the module. */
+void emit_probe_support(struct emitter *e);
+void emit_probe_lanes(struct emitter *e);
+void emit_probes(struct emitter *e, const struct ir_node *node);
+void emit_probe_fields(struct emitter *e);
+/* A text of any length as it is. */
+void emit_support_text(struct emitter *e, const char *text);
 /* LIGHTS_AT, emit.c */
 void emit_lights_at(struct emitter *e, struct ir_node *node);
 void emit_declaration(struct emitter *e, struct ir_variable *variable);

@@ -246,9 +246,10 @@ void emit_list(struct emitter *e, struct ir_list *list) {
     for (struct ir_node *node = list->first; node; node = node->next) {
         if (is_top && node->is_prepared != e->in_prepare)
             continue;
-        if (node->kind == NODE_INSTRUCTION)
+        if (node->kind == NODE_INSTRUCTION) {
             emit_instruction(e, node);
-        else if (node->kind == NODE_IF && node->is_varying)
+            emit_probes(e, node);
+        } else if (node->kind == NODE_IF && node->is_varying)
             emit_varying_if(e, node);
         else if (node->kind == NODE_IF)
             emit_uniform_if(e, node);

@@ -40,8 +40,9 @@ struct ir_variable {
     struct fixed_format format; /* of IR_FIXED */
     int array_length;           /* 0: one scalar */
     struct ir_list *home;
-    const char *name;  /* the user's, NULL for a temporary */
-    bool is_temporary; /* assigned once */
+    const char *name;           /* the user's, NULL for a temporary */
+    struct ir_variable *called; /* that is only a copy of it, and was replaced by it; or NULL */
+    bool is_temporary;          /* assigned once */
     bool is_declared_uniform;
     bool is_forced_varying; /* declared so, or a result of the shader */
     bool is_demoted;        /* declared uniform, and varies all the same: infer_storage.c */

@@ -19,6 +19,8 @@
     X("storage", pass_infer_storage, false, true, "uniform or varying")                            \
     X("dead", pass_dead_code, false, true, "what cannot reach the result goes, parameters too")    \
     X("sizes", pass_fixed_sizes, true, true, "fixed-point bits that nobody needs go")              \
+    X("source", pass_source, false, true,                                                          \
+      "the language again, with other types, when that is wanted")                                 \
     X("bind", pass_bind_parameters, false, true, "transfer map and bound values")                  \
     X("hoist", pass_hoist, false, true, "uniform code to the processor, once per instance")        \
     X("blocks", pass_blocks, false, true, "streams and counts of what the array is issued")        \

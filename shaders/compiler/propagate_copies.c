@@ -44,6 +44,9 @@ static void replace(struct ir_operand *operand) {
     for (int steps = 0; steps < 1000; steps++) {
         if (operand->kind != OPERAND_VARIABLE || !copied_from(operand->variable, &source))
             return;
+        if (source.kind == OPERAND_VARIABLE && !source.variable->called)
+            source.variable->called =
+                operand->variable->called ? operand->variable->called : operand->variable;
         *operand = source;
     }
 }

@@ -173,6 +173,7 @@ static void run_passes(struct compilation *c, const char *file, const char *text
     c->program->name =
         arena_copy_string(&c->program->arena, unit->shader->name, strlen(unit->shader->name));
     c->program->category = find_category(c, unit->shader);
+    c->shader_at = &unit->shader->at;
     struct ir_program *ir = lower_units(c, units, count, main);
     stop_on_errors(c);
     ir_validate(ir, "lowering", false);

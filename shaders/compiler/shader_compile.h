@@ -79,6 +79,23 @@ struct shader_companion {
     struct shader_fast_calls fast_calls; /* in its source */
 };
 
+/* What was seen of a variable while probes looked (shader_module.h), and what it is to become. */
+struct shader_fixing {
+    bool is_seen;          /* it had a finite value */
+    float lowest, highest; /* the extremes of these */
+    int size;              /* bits, at most 32, as a fixed-point number; 0: it stays a float */
+};
+
+/* A scalar variable of the program. Probes and fixings go by their numbers, which follow from the
+ * source and all options but those two. */
+struct shader_variable {
+    const char *name;           /* the user's, "" for a temporary */
+    int line;                   /* that assigns to it */
+    bool can_be_fixed;          /* a varying float */
+    bool is_noise;              /* the result of noise, which fixed-point has in 16 bits */
+    struct fixed_format format; /* that it got, or would have with size 0 */
+};
+
 struct shader_compile_options {
     /* Shaders that run on the same samples before and after a surface shader, compiled with it into
      * one: P, N and all other predefined variables go from one to the next. NULL: none. */
@@ -100,7 +117,11 @@ struct shader_compile_options {
     const char *dump;         /* the name of a pass whose IR is wanted in shader_program.dump */
     bool allows_external;     /* extern "C" functions: the user said so */
     bool half_parameters; /* material parameters take at most 2 bytes a component on the network */
-    bool reference_math;  /* C that computes in double precision (shaders/simd/vector_double.h) */
+    bool has_probes;      /* the module notes extremes of its variables, and can round them */
+    bool writes_source;   /* shader_program.source and .variables are wanted */
+    const struct shader_fixing *fixings; /* by number of the variable, for the source */
+    int fixing_count;                    /* variables beyond stay floats */
+    bool reference_math; /* C that computes in double precision (shaders/simd/vector_double.h) */
     /* The text of a file named by #include, or NULL when there is none; a name in an included file
      * is first asked for next to that file. The bytes stay the callee's and must not change until
      * the compilation ends. NULL: #include is an error. */
@@ -143,6 +164,11 @@ struct shader_program {
     const struct shader_call_site *call_sites; /* by shader and place */
     int call_site_count;
     const char *dump; /* of the pass that options name; NULL when none */
+    /* The shader in the language again, functions inlined and vectors taken apart, its variables as
+     * the fixings want them; computes the same when all are floats. NULL unless asked for. */
+    const char *source;
+    const struct shader_variable *variables; /* likewise */
+    int variable_count;
     /* warnings, each "file:line:column: warning: ..." with the source line and a caret */
     const char **warnings;
     int warning_count;

@@ -23,7 +23,7 @@ typedef float shader_real;
 #endif
 typedef float shader_bound;
 
-#define SHADER_MODULE_ABI 7
+#define SHADER_MODULE_ABI 8
 #define SHADER_MODULE_SYMBOL "sortlast_shader_module"
 
 /* A varying loop that runs longer than this at any sample stops there; the call's overrun flag is
@@ -167,6 +167,14 @@ struct shader_block {
     uint32_t operations[SHADER_STREAM_COUNT][64];
 };
 
+/* What a module that was compiled for it notes of a variable of the program, and how it rounds the
+ * variable, as a fixed-point number would be. Whoever looks clears it. */
+struct shader_probe {
+    uint64_t count, unusable; /* values that are finite, and others */
+    float lowest, highest;    /* of the finite ones */
+    float scale;              /* round down to multiples of 1 / scale; 0: leave it as it is */
+};
+
 struct shader_module {
     uint32_t abi;
     uint32_t width;      /* SHADER_WIDTH it was compiled for */
@@ -197,6 +205,8 @@ struct shader_module {
     const struct shader_message *queries, *exports;
     int external_count;
     const struct shader_external *externals;
+    int probe_count; /* 0 unless compiled with probes; by number of the variable */
+    struct shader_probe *probes;
     /* Uniform code, run once per instance and whenever a bound value changes: evaluates defaults of
      * parameters not given, then all that depends on uniform values alone. given[i] tells whether
      * bound[i] is set; bound[i] of a string holds its identity number as int32_t bits. */
