@@ -24,12 +24,22 @@ static const char usage[] =
     "  --pairs N     blocks of 4096 pairs of each kind (default 256)\n"
     "  --order       without errors: hashes and breaks of monotonicity, much quicker\n"
     "  --hash        only hashes, of every instruction set\n"
+    "  --same-bits   2^24 inputs of every function, of several arguments too, with every\n"
+    "                instruction set (same_bits.sh: and with several compilers)\n"
     "  --special     only the table of special values\n"
     "  --compare     speed and error beside SLEEF, libmvec and the C library, in one run\n"
     "  --throughput  only nanoseconds a value\n"
     "Exit status: 1 when a hash of all inputs differs from the recorded one or between sets.\n";
 
-enum mode { MODE_SWEEP, MODE_ORDER, MODE_HASH, MODE_SPECIAL, MODE_COMPARE, MODE_THROUGHPUT };
+enum mode {
+    MODE_SWEEP,
+    MODE_ORDER,
+    MODE_HASH,
+    MODE_SAME_BITS,
+    MODE_SPECIAL,
+    MODE_COMPARE,
+    MODE_THROUGHPUT
+};
 
 struct options {
     uint32_t step, pair_blocks;
@@ -149,11 +159,9 @@ static int parse(int argc, char **argv, struct options *options, int *first_name
     static const struct {
         const char *name;
         enum mode mode;
-    } modes[] = {{"--order", MODE_ORDER},
-                 {"--hash", MODE_HASH},
-                 {"--special", MODE_SPECIAL},
-                 {"--compare", MODE_COMPARE},
-                 {"--throughput", MODE_THROUGHPUT}};
+    } modes[] = {{"--order", MODE_ORDER},         {"--hash", MODE_HASH},
+                 {"--same-bits", MODE_SAME_BITS}, {"--special", MODE_SPECIAL},
+                 {"--compare", MODE_COMPARE},     {"--throughput", MODE_THROUGHPUT}};
     int i = 1;
     for (; i < argc && strncmp(argv[i], "--", 2) == 0; i++) {
         int is_mode = 0;
@@ -174,6 +182,8 @@ static int parse(int argc, char **argv, struct options *options, int *first_name
 
 /* What the mode prints for a function, or for all (NULL). */
 static int print(const char *name, const struct options *options) {
+    if (options->mode == MODE_SAME_BITS)
+        return same_bits_check(name, options->threads);
     if (options->mode == MODE_SPECIAL) {
         special_table(options->kernels);
         return 1;

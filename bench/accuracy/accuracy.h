@@ -33,6 +33,10 @@ void pairs_table(const struct vector_function *function, uint32_t blocks);
 /* Prints what every function of one argument makes of zeros, denormals, infinities and NaN. */
 void special_table(const struct vector_kernels *kernels);
 
+/* Hashes 2^24 results of every function (or the one named) with every instruction set; 0 when
+ * two differ, or one from what is recorded. */
+int same_bits_check(const char *only, int threads);
+
 /* Nanoseconds a value of each function (NULL: skipped), the best of interleaved rounds on arrays
  * that stay in the first-level cache. */
 enum { THROUGHPUT_ROUNDS = 40 };
