@@ -30,12 +30,13 @@ enum {
     TRADEOFF_JUDGED_MAX = 8   /* frames that are judged unless asked for */
 };
 
-/* A knob of this run: one of the table, the functions of one shader, or those of one place in it.
+/* A knob of this run: one of the table, all functions of one shader, or those of one place in it.
+ * Functions are those that the array is issued: where values are uniform, exact ones cost nothing.
  */
 struct tradeoff_knob {
-    char key[200];
+    char key[240];
     const char *option; /* NULL: of functions */
-    char argument[160]; /* of functions: what --fast-shaders or --fast-calls gets */
+    char *calls;        /* of functions: what --fast-calls gets; owned */
     int shader;         /* of a place: the knob of its shader; -1 */
     const char *values[TRADEOFF_VALUES_MAX];
     int value_count;
@@ -84,8 +85,8 @@ struct tradeoff_study {
 
 struct tradeoff_options {
     const char *scene, *folder;
-    double min_psnr, max_flip, max_time_ms; /* NAN: no limit */
-    long runs;                              /* at most */
+    double min_psnr, max_flip, max_error, max_time_ms; /* NAN: no limit */
+    long runs;                                         /* at most */
     const char *reference_samples;
     const char *tune_frames, *judge_frames; /* lists, NULL: as it fits the scene */
     char **forwarded;                       /* to `sortlast render` */
@@ -103,6 +104,7 @@ void tradeoff_add_table_knobs(struct tradeoff_study *study);
 /* Knobs for the functions of shaders and, for those with several, of places in them: `calls` are
  * those of the summary of a run. Says on standard error for which there is no room. */
 void tradeoff_add_call_knobs(struct tradeoff_study *study, const cJSON *calls);
+void tradeoff_finish_knobs(struct tradeoff_study *study);
 /* "samples=4 parameters=half ..."; what differs from the most accurate setting, or "most accurate".
  */
 void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff_setting *setting,

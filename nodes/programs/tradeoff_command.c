@@ -31,7 +31,8 @@ static void print_help(void) {
 #undef KNOB_HELP
     puts(
         "  math.SHADER  exact fast\n"
-        "               the functions of one shader: shading time against their digits\n"
+        "               the functions of one shader that the array pays for: shading time against "
+        "digits\n"
         "  math.SHADER.LINE:COLUMN  exact fast\n"
         "               those called at one place of it; looked at where a shader has several and\n"
         "               is not as good with all of them fast\n"
@@ -41,6 +42,7 @@ static void print_help(void) {
         "                       with results of the same study is gone on with\n"
         "      --min-psnr DB    choose the quickest setting with at least this PSNR\n"
         "      --max-flip F     ... and at most this mean of FLIP\n"
+        "      --max-error E    ... and at most this difference in any channel of any pixel\n"
         "      --max-time MS    choose the most accurate setting that takes at most this long\n"
         "      --reference-samples N  a pixel of the reference (default 64)\n"
         "      --runs N         stop after N settings (default 40)\n"
@@ -81,6 +83,7 @@ static bool parse(int argc, char **argv, struct tradeoff_options *o, struct stat
     *o = (struct tradeoff_options){.folder = "tradeoff",
                                    .min_psnr = NAN,
                                    .max_flip = NAN,
+                                   .max_error = NAN,
                                    .max_time_ms = NAN,
                                    .runs = 40,
                                    .reference_samples = "64",
@@ -114,6 +117,9 @@ static bool parse(int argc, char **argv, struct tradeoff_options *o, struct stat
         } else if (!strcmp(name, "--max-flip")) {
             if (!parse_number(name, value, &o->max_flip, status))
                 return false;
+        } else if (!strcmp(name, "--max-error")) {
+            if (!parse_number(name, value, &o->max_error, status))
+                return false;
         } else if (!strcmp(name, "--max-time")) {
             if (!parse_number(name, value, &o->max_time_ms, status))
                 return false;
@@ -133,7 +139,7 @@ static bool parse(int argc, char **argv, struct tradeoff_options *o, struct stat
 static bool is_within(const struct tradeoff_options *o, const struct tradeoff_error *error,
                       int64_t time_ps, int frames) {
     return !(error->psnr_db < o->min_psnr || error->flip_mean > o->max_flip ||
-             (double)time_ps * 1e-9 > o->max_time_ms * frames);
+             error->max_error > o->max_error || (double)time_ps * 1e-9 > o->max_time_ms * frames);
 }
 
 /* Whether frames that nothing was tuned on speak against it, as far as is known. */
@@ -307,8 +313,8 @@ int tradeoff_main(int argc, char **argv) {
         study.scene = options.scene;
         ok = explore(&options, &study, &status);
     }
-    const bool has_limits =
-        !isnan(options.min_psnr) || !isnan(options.max_flip) || !isnan(options.max_time_ms);
+    const bool has_limits = !isnan(options.min_psnr) || !isnan(options.max_flip) ||
+                            !isnan(options.max_error) || !isnan(options.max_time_ms);
     if (ok)
         print_results(&study);
     if (ok && has_limits && study.chosen < 0)
@@ -316,6 +322,7 @@ int tradeoff_main(int argc, char **argv) {
     if (!ok)
         fprintf(stderr, "sortlast tradeoff: %s\n", status.message);
     free(study.results);
+    tradeoff_finish_knobs(&study);
     free(options.forwarded);
     return ok ? 0 : status_exit_code(status.code);
 }

@@ -4,6 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum {
+    SHADER_NAME_MAX = 90,
+    PLACE_BYTES = 128,
+    KEY_BYTES = sizeof((struct tradeoff_knob *)0)->key
+};
+
 void tradeoff_add_table_knobs(struct tradeoff_study *study) {
 #define KNOB_ADD(name, key_text, option_text, value_list, about_text)                              \
     {                                                                                              \
@@ -27,11 +33,6 @@ static int find_knob(const struct tradeoff_study *study, const char *key) {
     return -1;
 }
 
-static struct tradeoff_knob functions_knob(const char *about) {
-    return (struct tradeoff_knob){
-        .values = {"exact", "fast"}, .value_count = 2, .about = about, .shader = -1};
-}
-
 static double number_of(const cJSON *object, const char *key) {
     const cJSON *item = cJSON_GetObjectItem(object, key);
     return cJSON_IsNumber(item) ? item->valuedouble : 0;
@@ -43,60 +44,108 @@ static const char *shader_of(const cJSON *call) {
                                          : NULL;
 }
 
-static void add_shader_knob(struct tradeoff_study *study, const char *shader) {
-    struct tradeoff_knob knob = functions_knob("functions of one shader");
-    if (strlen(shader) >= sizeof knob.argument)
-        return;
-    snprintf(knob.key, sizeof knob.key, "math.%s", shader);
-    memcpy(knob.argument, shader, strlen(shader) + 1);
-    if (find_knob(study, knob.key) >= 0)
-        return;
-    if (study->knob_count == TRADEOFF_KNOBS_MAX)
-        fprintf(stderr, "tradeoff: there are %d knobs, so the functions of %s have none\n",
-                TRADEOFF_KNOBS_MAX, shader);
-    else
-        study->knobs[study->knob_count++] = knob;
+/* "LINE:COLUMN", or in an included file "FILE:LINE:COLUMN". */
+static void describe_place(const cJSON *call, char *text, size_t size) {
+    const char *file = cJSON_GetStringValue(cJSON_GetObjectItem(call, "file"));
+    snprintf(text, size, "%.90s%s%d:%d", file ? file : "", file ? ":" : "",
+             (int)number_of(call, "line"), (int)number_of(call, "column"));
+}
+
+/* Adds ",SHADER:PLACE" to what a knob makes fast. */
+static void add_call(struct tradeoff_knob *knob, const char *shader, const char *place) {
+    const size_t used = knob->calls ? strlen(knob->calls) : 0;
+    char *text = memory_get(used + strlen(shader) + strlen(place) + 3, 1);
+    sprintf(text, "%s%s%s:%s", used ? knob->calls : "", used ? "," : "", shader, place);
+    free(knob->calls);
+    knob->calls = text;
+}
+
+/* The knob of this key, which is made when it is not there; -1: there is no room. */
+static int get_knob(struct tradeoff_study *study, const char *key, const char *about) {
+    const int found = find_knob(study, key);
+    if (found >= 0 || study->knob_count == TRADEOFF_KNOBS_MAX)
+        return found;
+    struct tradeoff_knob *knob = &study->knobs[study->knob_count];
+    *knob = (struct tradeoff_knob){
+        .values = {"exact", "fast"}, .value_count = 2, .about = about, .shader = -1};
+    snprintf(knob->key, sizeof knob->key, "%s", key);
+    return study->knob_count++;
+}
+
+static void drop_last_knob(struct tradeoff_study *study) {
+    free(study->knobs[--study->knob_count].calls);
+    study->knobs[study->knob_count].calls = NULL;
+}
+
+static void shader_key(const char *shader, char key[KEY_BYTES]) {
+    snprintf(key, KEY_BYTES, "math.%.90s", shader);
+}
+
+/* Into the knob of its shader, once for each place; false when there is no room for it. */
+static bool add_to_shader(struct tradeoff_study *study, const char *shader, const cJSON *call,
+                          const cJSON *calls) {
+    char key[KEY_BYTES], place[PLACE_BYTES], other[PLACE_BYTES];
+    shader_key(shader, key);
+    const int knob = get_knob(study, key, "functions of one shader");
+    if (knob < 0)
+        return false;
+    describe_place(call, place, sizeof place);
+    for (const cJSON *before = calls->child; before != call; before = before->next) {
+        describe_place(before, other, sizeof other);
+        if (shader_of(before) && !strcmp(shader_of(before), shader) && !strcmp(other, place))
+            return true;
+    }
+    add_call(&study->knobs[knob], shader, place);
+    return true;
 }
 
 /* Knobs for the places of one shader: for all of them, or for none. */
-static void add_place_knobs(struct tradeoff_study *study, int shader, const cJSON *calls) {
+static void add_places(struct tradeoff_study *study, int shader, const cJSON *calls) {
     const int before = study->knob_count;
-    const char *name = study->knobs[shader].argument;
+    const char *name = study->knobs[shader].key + strlen("math.");
     const cJSON *call;
     bool fits = true;
     cJSON_ArrayForEach(call, calls) {
-        struct tradeoff_knob knob = functions_knob("functions called at one place");
-        const char *called = shader_of(call),
-                   *file = cJSON_GetStringValue(cJSON_GetObjectItem(call, "file"));
-        if (!called || strcmp(called, name))
+        char key[KEY_BYTES], place[PLACE_BYTES];
+        if (!fits || !shader_of(call) || strcmp(shader_of(call), name))
             continue;
-        const int length =
-            snprintf(knob.argument, sizeof knob.argument, "%s:%s%s%d:%d", name, file ? file : "",
-                     file ? ":" : "", (int)number_of(call, "line"), (int)number_of(call, "column"));
-        snprintf(knob.key, sizeof knob.key, "math.%s.%s", name, knob.argument + strlen(name) + 1);
-        knob.shader = shader;
-        if (find_knob(study, knob.key) >= 0)
+        describe_place(call, place, sizeof place);
+        snprintf(key, sizeof key, "math.%.90s.%s", name, place);
+        const int knob = get_knob(study, key, "functions called at one place");
+        fits = knob >= 0;
+        if (!fits || study->knobs[knob].calls)
             continue;
-        fits = fits && length < (int)sizeof knob.argument && study->knob_count < TRADEOFF_KNOBS_MAX;
-        if (fits)
-            study->knobs[study->knob_count++] = knob;
+        study->knobs[knob].shader = shader;
+        add_call(&study->knobs[knob], name, place);
     }
     if (!fits)
         fprintf(stderr,
                 "tradeoff: %d knobs are not enough for the calls in %s: its functions are fast "
                 "together or not at all\n",
                 TRADEOFF_KNOBS_MAX, name);
-    if (!fits || study->knob_count == before + 1)
-        study->knob_count = before;
+    const int places = study->knob_count - before;
+    while (study->knob_count > before && (!fits || places == 1))
+        drop_last_knob(study);
 }
 
 void tradeoff_add_call_knobs(struct tradeoff_study *study, const cJSON *calls) {
     const cJSON *call;
-    cJSON_ArrayForEach(call, calls) if (shader_of(call)) add_shader_knob(study, shader_of(call));
+    cJSON_ArrayForEach(call, calls) {
+        const char *shader = shader_of(call);
+        if (shader && strlen(shader) <= SHADER_NAME_MAX &&
+            !add_to_shader(study, shader, call, calls))
+            fprintf(stderr, "tradeoff: there are %d knobs, so the functions of %s have none\n",
+                    TRADEOFF_KNOBS_MAX, shader);
+    }
     const int shaders = study->knob_count;
     for (int k = 0; k < shaders; k++)
         if (!study->knobs[k].option)
-            add_place_knobs(study, k, calls);
+            add_places(study, k, calls);
+}
+
+void tradeoff_finish_knobs(struct tradeoff_study *study) {
+    while (study->knob_count)
+        drop_last_knob(study);
 }
 
 void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff_setting *setting,
@@ -112,42 +161,28 @@ void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff
         snprintf(text, size, "most accurate");
 }
 
-/* The arguments of all knobs of functions of one kind that say fast, with commas, from `text` on;
- * returns what comes after. */
-static char *join_fast(const struct tradeoff_study *study, const struct tradeoff_setting *setting,
-                       bool places, char *text) {
-    char *end = text;
-    for (int k = 0; k < study->knob_count; k++) {
-        const struct tradeoff_knob *knob = &study->knobs[k];
-        if (knob->option || !setting->choice[k] || (knob->shader >= 0) != places)
-            continue;
-        if (end != text)
-            *end++ = ',';
-        end = stpcpy(end, knob->argument);
-    }
-    return end + 1;
-}
-
 char **tradeoff_arguments(const struct tradeoff_study *study,
                           const struct tradeoff_setting *setting, int *count, char **text) {
-    char **list = memory_get((size_t)study->knob_count * 2 + 4, sizeof *list);
-    *text =
-        memory_get((size_t)study->knob_count * sizeof study->knobs->argument + 2, sizeof **text);
-    *count = 0;
+    char **list = memory_get((size_t)study->knob_count * 2 + 2, sizeof *list);
+    size_t length = 1;
     for (int k = 0; k < study->knob_count; k++)
-        if (study->knobs[k].option) {
-            list[(*count)++] = (char *)study->knobs[k].option;
-            list[(*count)++] = (char *)study->knobs[k].values[setting->choice[k]];
+        length += study->knobs[k].calls ? strlen(study->knobs[k].calls) + 1 : 0;
+    char *end = *text = memory_get(length, 1);
+    *count = 0;
+    for (int k = 0; k < study->knob_count; k++) {
+        const struct tradeoff_knob *knob = &study->knobs[k];
+        if (knob->option) {
+            list[(*count)++] = (char *)knob->option;
+            list[(*count)++] = (char *)knob->values[setting->choice[k]];
+        } else if (setting->choice[k]) {
+            if (end != *text)
+                *end++ = ',';
+            end = stpcpy(end, knob->calls);
         }
-    char *shaders = *text, *calls = join_fast(study, setting, false, shaders);
-    join_fast(study, setting, true, calls);
-    if (*shaders) {
-        list[(*count)++] = (char *)"--fast-shaders";
-        list[(*count)++] = shaders;
     }
-    if (*calls) {
+    if (end != *text) {
         list[(*count)++] = (char *)"--fast-calls";
-        list[(*count)++] = calls;
+        list[(*count)++] = *text;
     }
     return list;
 }
