@@ -68,6 +68,7 @@ struct tradeoff_result {
     bool is_judged;
     int64_t judged_time_ps;
     struct tradeoff_error judged; /* on the frames that nothing was tuned on */
+    bool is_refused; /* within the limits on the frames tuned on, and not on the others */
     bool is_on_frontier;
     char picture[64]; /* PNG, in the folder */
 };

@@ -142,20 +142,23 @@ static bool is_within(const struct tradeoff_options *o, const struct tradeoff_er
              error->max_error > o->max_error || (double)time_ps * 1e-9 > o->max_time_ms * frames);
 }
 
-/* Whether frames that nothing was tuned on speak against it, as far as is known. */
-static bool is_refused(const struct tradeoff_options *o, const struct tradeoff_study *study,
-                       const struct tradeoff_result *r) {
-    return r->is_judged && !is_within(o, &r->judged, r->judged_time_ps, study->unseen.count);
+/* Whether it keeps the limits on all frames that it was run on; notes when only on those tuned on.
+ */
+static bool keeps_limits(const struct tradeoff_options *o, const struct tradeoff_study *study,
+                         struct tradeoff_result *r) {
+    const bool is_tuned = is_within(o, &r->error, r->time_ps, study->tuned.count);
+    r->is_refused = is_tuned && r->is_judged &&
+                    !is_within(o, &r->judged, r->judged_time_ps, study->unseen.count);
+    return is_tuned && !r->is_refused;
 }
 
 /* The quickest within the limits of error, or with a limit of time the most accurate. */
 static void choose(const struct tradeoff_options *o, struct tradeoff_study *study) {
     study->chosen = -1;
     for (size_t i = 0; i < study->result_count; i++) {
-        const struct tradeoff_result *r = &study->results[i],
-                                     *best =
-                                         study->chosen < 0 ? NULL : &study->results[study->chosen];
-        if (!is_within(o, &r->error, r->time_ps, study->tuned.count) || is_refused(o, study, r))
+        struct tradeoff_result *r = &study->results[i],
+                               *best = study->chosen < 0 ? NULL : &study->results[study->chosen];
+        if (!keeps_limits(o, study, r))
             continue;
         if (!best || (isnan(o->max_time_ms) ? r->time_ps < best->time_ps
                                             : r->error.square_error < best->error.square_error))
@@ -202,6 +205,17 @@ static void print_results(const struct tradeoff_study *study) {
                r->error.psnr_db, r->error.flip_mean, unseen, text);
     }
     printf("  (speed-up: of shading, against the most accurate setting; * chosen)\n");
+    for (size_t i = 0; i < study->result_count; i++) {
+        const struct tradeoff_result *r = &study->results[i];
+        char text[512];
+        if (!r->is_refused)
+            continue;
+        tradeoff_describe(study, &r->setting, text, sizeof text);
+        printf("within the limits on frame %s only, so not chosen (judged: PSNR %.2f dB, FLIP mean "
+               "%.5f, largest error %.4f, %.3f ms a frame): %s\n",
+               tuned, r->judged.psnr_db, r->judged.flip_mean, r->judged.max_error,
+               (double)r->judged_time_ps * 1e-9 / study->unseen.count, text);
+    }
 }
 
 static double now_s(void) {
@@ -218,21 +232,16 @@ static bool judge_one(const struct tradeoff_options *o, struct tradeoff_study *s
         return true;
     tradeoff_describe(study, &result->setting, text, sizeof text);
     fprintf(stderr, "tradeoff: judging %s\n", text);
-    if (!tradeoff_judge(o, study, result, status))
-        return false;
-    if (is_within(o, &result->error, result->time_ps, study->tuned.count) &&
-        is_refused(o, study, result))
-        printf("within the limits on the frames tuned on, and not on those judged on (PSNR %.2f "
-               "dB, FLIP mean %.5f, %.3f ms a frame): %s\n",
-               result->judged.psnr_db, result->judged.flip_mean,
-               (double)result->judged_time_ps * 1e-9 / study->unseen.count, text);
-    return tradeoff_write_json(study, json, status);
+    return tradeoff_judge(o, study, result, status) && tradeoff_write_json(study, json, status);
 }
 
 /* Judges what would be chosen, until one keeps the limits on unseen frames, and the frontier. */
 static bool judge_results(const struct tradeoff_options *o, struct tradeoff_study *study,
                           const char *json, struct status *status) {
-    if (!study->unseen.count)
+    bool is_complete = study->chosen < 0 || study->results[study->chosen].is_judged;
+    for (size_t i = 0; i < study->result_count; i++)
+        is_complete &= !study->results[i].is_on_frontier || study->results[i].is_judged;
+    if (!study->unseen.count || is_complete)
         return true;
     if (!tradeoff_make_references(o, &study->unseen, NULL, status))
         return false;

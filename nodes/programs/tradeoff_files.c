@@ -40,6 +40,7 @@ static cJSON *result_json(const struct tradeoff_study *study,
     } else {
         cJSON_AddNullToObject(object, "judged");
     }
+    cJSON_AddBoolToObject(object, "refused", result->is_refused);
     cJSON_AddBoolToObject(object, "on_frontier", result->is_on_frontier);
     cJSON_AddStringToObject(object, "picture", result->picture);
     return object;

@@ -87,6 +87,8 @@ bool tradeoff_write_page(const struct tradeoff_study *study, const char *path,
         fprintf(out, "<tr%s><td><img src=\"%s\" width=\"160\" alt=\"\"><td>",
                 (int)i == study->chosen ? " style=\"background:#fe8\"" : "", r->picture);
         put_escaped(out, setting);
+        if (r->is_refused)
+            fputs(" (within the limits on the frames tuned on only)", out);
         fprintf(out, "<td>%.3f<td>%.3f<td>%.2f<td>%lld<td>%.2f<td>%.5f<td>%.4f<td>%.2f\n",
                 (double)r->time_ps * 1e-9, (double)r->shading_ps * 1e-9, r->bytes_per_sample,
                 (long long)r->map_bytes, r->error.psnr_db, r->error.flip_mean, r->error.max_error,

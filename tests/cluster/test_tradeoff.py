@@ -186,7 +186,9 @@ def test_a_choice_is_judged_on_frames_that_had_no_part_in_it():
         assert picked["judged"]["psnr_db"] >= limit and picked["psnr_db"] >= limit
         for r in chosen["results"]:
             if r["psnr_db"] >= limit and r["time_ps"] < picked["time_ps"]:
-                assert r["judged"]["psnr_db"] < limit, r["setting"]
+                assert r["judged"]["psnr_db"] < limit and r["refused"], r["setting"]
+            assert r["refused"] == (r["psnr_db"] >= limit and r["judged"] is not None and
+                                    r["judged"]["psnr_db"] < limit), r
         for frames in [["--judge-frames", "1"], ["--judge-frames", "3"], ["--tune-frames", "2-1"], ["--tune-frames", "x"]]:
             code, out, err = folder.run("tradeoff", scene, "-o", folder.file("bad"), *frames)
             assert code == 1 and ("frame" in err), err
