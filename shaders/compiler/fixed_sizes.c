@@ -4,7 +4,8 @@
 /* The top-down pass over the sizes of fixed-point results (PF section 6.3.2): bits of a temporary
  * that nobody needs go. Results wrap, so the low n bits of a sum, difference or product follow from
  * the low bits of the operands: cutting the high ones changes no value that is kept. Whatever looks
- * at the whole number (comparisons, quotients, roots, conversions to float) needs all bits. */
+ * at the whole number (comparisons, quotients, roots, conversions to float) needs all bits, and a
+ * conversion from float keeps its size, at the ends of which it stops instead of wrapping. */
 
 enum { WHOLE = FIXED_SIZE_MAX };
 
@@ -52,9 +53,10 @@ static void look_at(struct ir_node *node) {
     }
 }
 
-static void shrink(struct ir_variable *variable) {
-    if (variable && variable->type == IR_FIXED && variable->is_temporary &&
-        variable->demanded_bits && variable->demanded_bits < variable->format.size)
+static void shrink(const struct ir_node *node, struct ir_variable *variable) {
+    if (node->operation != IR_FIXED_FROM_FLOAT && variable && variable->type == IR_FIXED &&
+        variable->is_temporary && variable->demanded_bits &&
+        variable->demanded_bits < variable->format.size)
         variable->format.size = (int16_t)variable->demanded_bits;
 }
 
@@ -75,7 +77,7 @@ void pass_fixed_sizes(struct ir_program *ir) {
     ir_each_node(ir->top, collect, &all);
     for (size_t i = all.count; i-- > 0;) {
         for (int r = 0; r < 3; r++)
-            shrink(all.nodes[i]->results[r]);
+            shrink(all.nodes[i], all.nodes[i]->results[r]);
         look_at(all.nodes[i]);
     }
 }

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Generated C is a preamble that is the same for all, then functions and tables of its own, whose
- * names get a number each. */
+/* Generated C is a preamble, then functions and tables of its own, whose names get a number each.
+ * The preamble of a shader that asks for more begins with that of one that asks for less. */
 static const char *const own_names[] = {"shader_prepare",    "shade_vector",  "shader_shade",
                                         "shader_light_run",  "shader_blocks", "shader_loaded",
                                         SHADER_MODULE_SYMBOL};
@@ -20,12 +20,15 @@ static size_t preamble_length(const char *text) {
 
 static bool write_source(FILE *file, struct shader_program *const *programs, int count,
                          struct status *status) {
-    size_t preamble = preamble_length(programs[0]->c_source);
-    fwrite(programs[0]->c_source, 1, preamble, file);
+    const char *longest = programs[0]->c_source;
+    for (int i = 1; i < count; i++)
+        if (preamble_length(programs[i]->c_source) > preamble_length(longest))
+            longest = programs[i]->c_source;
+    fwrite(longest, 1, preamble_length(longest), file);
     for (int i = 0; i < count; i++) {
         const char *text = programs[i]->c_source;
-        if (!preamble || preamble_length(text) != preamble ||
-            memcmp(text, programs[0]->c_source, preamble))
+        const size_t preamble = preamble_length(text);
+        if (!preamble || memcmp(text, longest, preamble))
             return status_fail(status, STATUS_INTERNAL, "generated C starts in different ways");
         for (size_t n = 0; n < sizeof own_names / sizeof *own_names; n++)
             fprintf(file, "#undef %s\n#define %s %s_%d\n", own_names[n], own_names[n], own_names[n],
@@ -50,8 +53,15 @@ static const char *flags_for(int width) {
     return width == 16 && has_avx512 ? "-mavx512f -mavx512dq -mavx512bw -mavx512vl" : "";
 }
 
+static const char *compiler_for(const char *wanted) {
+    char command[64];
+    snprintf(command, sizeof command, "command -v %s >/dev/null", wanted);
+    return system(command) ? "cc" : wanted;
+}
+
 bool program_bundle_open(struct program_bundle *bundle, struct shader_program *const *programs,
-                         int count, int width, const char *optimisation, struct status *status) {
+                         int count, const struct bundle_settings *settings, struct status *status) {
+    const char *optimisation = settings->optimisation;
     char folder[] = "/tmp/sortlast-programs-XXXXXX", source[64], object[64], command[1024];
     *bundle = (struct program_bundle){0};
     if (!mkdtemp(folder))
@@ -63,12 +73,13 @@ bool program_bundle_open(struct program_bundle *bundle, struct shader_program *c
     if (file)
         fclose(file);
     snprintf(command, sizeof command,
-             "cc -std=gnu11 %s%s -w -ffp-contract=off -fno-math-errno -fno-trapping-math -shared "
+             "%s -std=gnu11 %s%s -w -Wno-psabi -ffp-contract=off -fno-math-errno "
+             "-fno-trapping-math -shared "
              "-fPIC %s -DSHADER_WIDTH=%d -I'%s' -o %s %s",
-             optimisation,
+             compiler_for(settings->compiler), optimisation,
              /* without optimisation, calls are much quicker to compile than copies of the callee */
-             strcmp(optimisation, "-O0") ? "" : " -Dalways_inline=noinline", flags_for(width),
-             width, SIMD_INCLUDE, object, source);
+             strcmp(optimisation, "-O0") ? "" : " -Dalways_inline=noinline",
+             flags_for(settings->width), settings->width, SIMD_INCLUDE, object, source);
     if (ok && system(command))
         ok = status_fail(status, STATUS_INTERNAL, "the C compiler refuses what was generated");
     bundle->library = ok ? dlopen(object, RTLD_NOW | RTLD_LOCAL) : NULL;

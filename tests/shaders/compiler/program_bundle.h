@@ -12,10 +12,16 @@ struct program_bundle {
     const struct shader_module **modules; /* in the order of the programs */
 };
 
-/* Width 4, 8 or 16 (instructions as the processor has them); `optimisation` as "-O1". False and a
- * message when the C compiler refuses. */
+/* How the C is compiled: 4, 8 or 16 lanes (instructions as the processor has them), "-O1" or the
+ * like, and the compiler; another one than cc is taken where it is installed. */
+struct bundle_settings {
+    int width;
+    const char *optimisation, *compiler;
+};
+
+/* False and a message when the C compiler refuses. */
 bool program_bundle_open(struct program_bundle *bundle, struct shader_program *const *programs,
-                         int count, int width, const char *optimisation, struct status *status);
+                         int count, const struct bundle_settings *settings, struct status *status);
 void program_bundle_close(struct program_bundle *bundle);
 
 #endif

@@ -16,6 +16,7 @@ struct subject {
     struct shader_program *compiled;
     const struct shader_module *module;
     struct reference *reference;
+    const char *text;
     float *uniform;
     uint64_t executions[512];
     struct shader_counters counters;
@@ -70,20 +71,25 @@ static void set_scene(struct scene *scene, uint64_t seed) {
         }
 }
 
-/* Both front ends on the text; false with a message when one refuses. */
+/* The evaluator on a text; that of a surface is there only while it is compared, since a bundle of
+ * them is a lot of memory to touch. */
+static bool subject_evaluate(struct subject *s, const char *text, char *message, size_t size) {
+    s->reference = reference_open(text, s->program.fast_math, message, size);
+    return s->reference != NULL;
+}
+
+/* The compiler on the text; false with a message when it refuses. */
 static bool subject_open(struct subject *s, const char *text, char *message, size_t size) {
     struct status status = {0};
     struct shader_compile_options options = {.material = s->program.material,
                                              .material_count = s->program.material_count,
                                              .fast_math = s->program.fast_math,
                                              .passes_left_out = s->program.passes_left_out};
-    s->reference = reference_open(text, s->program.fast_math, message, size);
-    if (!s->reference)
-        return false;
     if (!shader_compile("program.sl", text, strlen(text), &options, &s->compiled, &status)) {
         snprintf(message, size, "%s", status.message);
         return false;
     }
+    s->text = text;
     s->is_there = true;
     return true;
 }
@@ -179,8 +185,17 @@ static bool is_same(float a, float b) {
     return (isnan(a) && isnan(b)) || !memcmp(&a, &b, sizeof a);
 }
 
-/* True when all samples agree. */
-static bool compare(struct subject *s, struct scene *scene, struct comparison_result *result) {
+/* Counts a difference; true when it is the first, of which more is told. */
+static bool note(struct comparison_result *result, uint64_t seed) {
+    if (result->differences++)
+        return false;
+    result->seed = seed;
+    return true;
+}
+
+/* Compares sample by sample until the first difference. */
+static void compare_samples(struct subject *s, struct scene *scene,
+                            struct comparison_result *result) {
     struct subject *lights[COMPARISON_LIGHTS];
     float color[3][SAMPLES];
     int count = (int)(s->program.seed % 4);
@@ -190,64 +205,93 @@ static bool compare(struct subject *s, struct scene *scene, struct comparison_re
     run_compiled(s, scene, lights, count, color);
     for (int i = 0; i < SAMPLES; i++) {
         float expected[3];
-        if (!run_reference(s, scene, lights, count, i, expected)) {
-            snprintf(result->message, sizeof result->message, "a loop does not end");
-            return false;
+        const bool ends = run_reference(s, scene, lights, count, i, expected);
+        if (ends && is_same(color[0][i], expected[0]) && is_same(color[1][i], expected[1]) &&
+            is_same(color[2][i], expected[2]))
+            continue;
+        if (!note(result, s->program.seed))
+            return;
+        result->sample = i;
+        for (int c = 0; c < 3; c++) {
+            result->compiled[c] = color[c][i];
+            result->reference[c] = expected[c];
         }
-        for (int c = 0; c < 3; c++)
-            if (!is_same(color[c][i], expected[c])) {
-                result->seed = s->program.seed;
-                result->sample = i;
-                for (int k = 0; k < 3; k++) {
-                    result->compiled[k] = color[k][i];
-                    result->reference[k] = expected[k];
-                }
-                return false;
-            }
+        if (!ends)
+            snprintf(result->message, sizeof result->message, "a loop does not end");
+        return;
     }
-    return true;
 }
 
-/* Compiles all and compares until the first difference. */
-static bool compare_all(struct scene *scene, struct subject *subjects, int count,
-                        const struct comparison_settings *settings,
-                        struct comparison_result *result) {
+static void compare(struct subject *s, struct scene *scene, struct comparison_result *result) {
+    char message[1024];
+    if (subject_evaluate(s, s->text, message, sizeof message))
+        compare_samples(s, scene, result);
+    else if (note(result, s->program.seed))
+        snprintf(result->message, sizeof result->message, "%s", message);
+    reference_close(s->reference);
+    s->reference = NULL;
+}
+
+/* Compiles and compares all that are there. */
+static void compare_all(struct scene *scene, struct subject *subjects, int count,
+                        const struct bundle_settings *settings, struct comparison_result *result) {
     struct shader_program **programs = calloc((size_t)count + COMPARISON_LIGHTS, sizeof *programs);
     struct program_bundle bundle = {0};
     struct status status = {0};
-    for (int i = 0; i < COMPARISON_LIGHTS; i++)
-        programs[i] = scene->lights[i].compiled;
+    int there = 0;
+    for (; there < COMPARISON_LIGHTS; there++)
+        programs[there] = scene->lights[there].compiled;
     for (int i = 0; i < count; i++)
-        programs[COMPARISON_LIGHTS + i] = subjects[i].compiled;
-    bool ok = program_bundle_open(&bundle, programs, count + COMPARISON_LIGHTS, settings->width,
-                                  settings->optimisation, &status);
-    if (!ok)
+        if (subjects[i].is_there)
+            programs[there++] = subjects[i].compiled;
+    bool ok = program_bundle_open(&bundle, programs, there, settings, &status);
+    if (!ok && note(result, subjects[0].program.seed))
         snprintf(result->message, sizeof result->message, "%s", status.message);
+    if (!ok)
+        result->differences = count;
     for (int i = 0; ok && i < COMPARISON_LIGHTS; i++) {
         scene->lights[i].module = bundle.modules[i];
         free(scene->lights[i].uniform);
         subject_prepare(&scene->lights[i], scene);
     }
+    there = COMPARISON_LIGHTS;
     for (int i = 0; ok && i < count; i++) {
-        subjects[i].module = bundle.modules[COMPARISON_LIGHTS + i];
-        ok = compare(&subjects[i], scene, result);
+        if (!subjects[i].is_there)
+            continue;
+        subjects[i].module = bundle.modules[there++];
+        compare(&subjects[i], scene, result);
     }
     program_bundle_close(&bundle);
     free(programs);
-    return ok;
+}
+
+const struct bundle_settings *comparison_settings_of(uint64_t first_seed) {
+    static const struct bundle_settings quick[] = {
+        {8, "-O0", "clang"}, {16, "-O0", "clang"}, {4, "-O0", "clang"}, {8, "-O0", "clang"},
+        {16, "-O0", "cc"},   {4, "-O0", "clang"},  {8, "-O0", "cc"},    {16, "-O0", "clang"},
+        {4, "-O0", "clang"}, {8, "-O0", "clang"},  {16, "-O0", "clang"}};
+    static const struct bundle_settings full[] = {
+        {16, "-O2", "cc"}, {8, "-O2", "cc"}, {4, "-O2", "cc"}};
+    const uint64_t bundle = first_seed / COMPARISON_BUNDLE;
+    if (bundle % COMPARISON_FULL == COMPARISON_FULL - 1)
+        return &full[bundle / COMPARISON_FULL % (sizeof full / sizeof *full)];
+    return &quick[bundle % (sizeof quick / sizeof *quick)];
 }
 
 static bool open_scene(struct scene *scene, uint64_t seed, struct comparison_result *result) {
-    bool ok = true;
+    char message[sizeof result->message];
     set_scene(scene, seed);
-    for (int i = 0; ok && i < COMPARISON_LIGHTS; i++) {
+    for (int i = 0; i < COMPARISON_LIGHTS; i++) {
         struct subject *light = &scene->lights[i];
         random_program_make(&light->program, seed + (uint64_t)i, true);
-        ok = subject_open(light, light->program.text, result->message, sizeof result->message);
-        if (!ok)
-            result->seed = seed + (uint64_t)i;
+        if (!subject_open(light, light->program.text, message, sizeof message) ||
+            !subject_evaluate(light, light->program.text, message, sizeof message)) {
+            note(result, seed + (uint64_t)i);
+            snprintf(result->message, sizeof result->message, "light: %.1024s", message);
+            return false;
+        }
     }
-    return ok;
+    return true;
 }
 
 static void close_scene(struct scene *scene) {
@@ -262,42 +306,43 @@ static struct scene *new_scene(void) {
     return scene;
 }
 
-bool comparison_run(uint64_t first_seed, int count, const struct comparison_settings *settings,
+bool comparison_run(uint64_t first_seed, int count, const struct bundle_settings *settings,
                     struct comparison_result *result) {
     struct scene *scene = new_scene();
     struct subject *subjects = calloc((size_t)count, sizeof *subjects);
+    char message[sizeof result->message];
     *result = (struct comparison_result){0};
     bool ok = open_scene(scene, first_seed, result);
     for (int i = 0; ok && i < count; i++) {
         struct subject *s = &subjects[i];
         random_program_make(&s->program, first_seed + (uint64_t)i, false);
-        ok = subject_open(s, s->program.text, result->message, sizeof result->message);
-        if (!ok)
-            result->seed = s->program.seed;
+        if (!subject_open(s, s->program.text, message, sizeof message) &&
+            note(result, s->program.seed))
+            snprintf(result->message, sizeof result->message, "%s", message);
     }
-    ok = ok && compare_all(scene, subjects, count, settings, result);
+    if (ok)
+        compare_all(scene, subjects, count, settings, result);
     for (int i = 0; i < count; i++)
         subject_close(&subjects[i]);
     free(subjects);
     close_scene(scene);
-    return ok;
+    return result->differences == 0;
 }
 
 /* ---- reduction ---- */
 
 static bool still_differs(struct scene *scene, const struct random_program *program,
-                          const char *text, const struct comparison_settings *settings) {
+                          const char *text, const struct bundle_settings *settings) {
     struct comparison_result result = {0};
     struct subject s = {.program = *program};
     char message[2048];
     s.program.text = NULL;
-    bool differs = false;
     for (int i = 0; i < s.program.material_count; i++)
         s.program.material[i] = program->material[i];
     if (subject_open(&s, text, message, sizeof message))
-        differs = !compare_all(scene, &s, 1, settings, &result) && !result.message[0];
+        compare_all(scene, &s, 1, settings, &result);
     subject_close(&s);
-    return differs;
+    return result.differences && !result.message[0];
 }
 
 static char *without(const char *text, const char *from, const char *to) {
@@ -319,21 +364,17 @@ static const char *end_of(const char *at, bool whole) {
     return at;
 }
 
-char *comparison_reduce(uint64_t seed, uint64_t first_seed,
-                        const struct comparison_settings *settings) {
-    struct scene *scene = new_scene();
-    struct comparison_result result = {0};
-    struct random_program program;
-    random_program_make(&program, seed, false);
-    char *text = strdup(program.text);
-    bool has_changed = open_scene(scene, first_seed, &result);
-    while (has_changed) {
+/* The program with statements removed for as long as it still differs. */
+static char *reduce(struct scene *scene, const struct random_program *program,
+                    const struct bundle_settings *settings) {
+    char *text = strdup(program->text);
+    for (bool has_changed = true; has_changed;) {
         has_changed = false;
         for (const char *at = text; *at;) {
             const char *end = end_of(at, true);
             char *shorter = without(text, at, end);
             size_t offset = (size_t)(at - text);
-            if (still_differs(scene, &program, shorter, settings)) {
+            if (still_differs(scene, program, shorter, settings)) {
                 free(text);
                 text = shorter;
                 at = text + offset;
@@ -344,13 +385,43 @@ char *comparison_reduce(uint64_t seed, uint64_t first_seed,
             }
         }
     }
-    size_t length = strlen(text) + 64;
-    for (int i = 0; i < COMPARISON_LIGHTS; i++)
-        length += strlen(scene->lights[i].program.text);
-    char *report = malloc(length);
-    strcpy(report, text);
-    for (unsigned i = 0; i < seed % 4; i++)
-        strcat(report, scene->lights[(seed / 4 + i * 3) % COMPARISON_LIGHTS].program.text);
+    return text;
+}
+
+static char *describe(const struct scene *scene, uint64_t first_seed, const char *text,
+                      const struct bundle_settings *settings,
+                      const struct comparison_result *result) {
+    char *report = NULL;
+    size_t length = 0;
+    FILE *out = open_memstream(&report, &length);
+    const uint64_t seed = result->seed;
+    const float *c = result->compiled, *r = result->reference;
+    fprintf(out, "%s", text);
+    for (unsigned i = 0; !result->message[0] && i < seed % 4; i++)
+        fprintf(out, "%s", scene->lights[(seed / 4 + i * 3) % COMPARISON_LIGHTS].program.text);
+    fprintf(out,
+            "program %llu (of the bundle from %llu), %d lanes, %s %s: ", (unsigned long long)seed,
+            (unsigned long long)first_seed, settings->width, settings->compiler,
+            settings->optimisation);
+    if (result->message[0])
+        fprintf(out, "%s", result->message);
+    else
+        fprintf(out, "sample %d is %a %a %a compiled and %a %a %a by reference", result->sample,
+                (double)c[0], (double)c[1], (double)c[2], (double)r[0], (double)r[1], (double)r[2]);
+    fclose(out);
+    return report;
+}
+
+char *comparison_report(uint64_t first_seed, const struct bundle_settings *settings,
+                        const struct comparison_result *result) {
+    struct scene *scene = new_scene();
+    struct comparison_result ignored = {0};
+    struct random_program program;
+    random_program_make(&program, result->seed, false);
+    char *text = NULL;
+    if (!result->message[0] && open_scene(scene, first_seed, &ignored))
+        text = reduce(scene, &program, settings);
+    char *report = describe(scene, first_seed, text ? text : program.text, settings, result);
     free(text);
     random_program_finish(&program);
     close_scene(scene);

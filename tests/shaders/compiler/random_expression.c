@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "random_internal.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct random_generator generator;
@@ -19,9 +20,10 @@ static void literal(generator *g) {
         random_put(g, "%s", PICK(g, "1", "2", "0.5", "3", "0.25", "1.5", "7", "0.1", "10"));
 }
 
-/* A variable that fits; `type` TYPE_TRIPLE: any triple. */
+/* A variable that fits; `type` TYPE_TRIPLE: any triple. An array of at least this length, or with 0
+ * none. */
 static const struct random_variable *find(generator *g, enum ast_type type, bool is_uniform,
-                                          bool is_written, bool is_array) {
+                                          bool is_written, int array_length) {
     const struct random_variable *found = NULL;
     int fitting = 0;
     for (int i = g->first_visible; i < g->variable_count; i++) {
@@ -30,8 +32,9 @@ static const struct random_variable *find(generator *g, enum ast_type type, bool
         for (int k = i + 1; k < g->variable_count; k++)
             is_hidden |= !strcmp(v->name, g->variables[k].name);
         bool fits = v->type == type || (type == TYPE_TRIPLE && ast_type_is_triple(v->type)) ||
-                    (type == TYPE_ERROR && is_array);
-        if (!is_hidden && fits && (v->length != 0) == is_array && (!is_uniform || v->is_uniform) &&
+                    (type == TYPE_ERROR && array_length);
+        bool has_length = array_length ? v->length >= array_length : v->length == 0;
+        if (!is_hidden && fits && has_length && (!is_uniform || v->is_uniform) &&
             (!is_written || (!v->is_readonly && !v->is_uniform)) && random_once_in(g, ++fitting))
             found = v;
     }
@@ -39,12 +42,12 @@ static const struct random_variable *find(generator *g, enum ast_type type, bool
 }
 
 const struct random_variable *random_target(generator *g, enum ast_type type) {
-    return g->no_effects ? NULL : find(g, type, false, true, false);
+    return g->no_effects ? NULL : find(g, type, false, true, 0);
 }
 
 const struct random_variable *random_array(generator *g, enum ast_type type, bool is_written,
                                            bool is_uniform) {
-    return find(g, type, is_uniform, is_written, true);
+    return find(g, type, is_uniform, is_written, 1);
 }
 
 void random_index(generator *g, bool is_uniform) {
@@ -57,13 +60,32 @@ void random_index(generator *g, bool is_uniform) {
     g->no_effects = outer;
 }
 
+/* A variable of another format, as it is or cast, or a number: one that the format holds, or any.
+ */
+static void fixed_leaf(generator *g, enum ast_type type, bool is_uniform) {
+    const struct random_variable *v = find(g, random_fixed(g), is_uniform, false, 0);
+    const struct fixed_format f = ast_type_format(type);
+    const double range = fmin(ldexp(1, f.size - f.exponent), 1e38);
+    if (v && random_once_in(g, 2))
+        random_put(g, "%s", v->name);
+    else if (v && random_once_in(g, 2))
+        random_put(g, "(%s %s)", random_type_word(type), v->name);
+    else if (random_once_in(g, 2))
+        random_put(g, "(%s %.6g)", random_type_word(type),
+                   range * (f.is_unsigned ? rng_unit(&g->rng) : rng_unit(&g->rng) - 0.5));
+    else
+        literal(g);
+}
+
 static void leaf(generator *g, enum ast_type type, bool is_uniform) {
     const struct random_variable *v =
-        random_once_in(g, 4) ? NULL : find(g, type, is_uniform, false, false);
+        random_once_in(g, 4) ? NULL : find(g, type, is_uniform, false, 0);
     if (v) {
         random_put(g, "%s", v->name);
     } else if (type == TYPE_FLOAT) {
         literal(g);
+    } else if (ast_type_is_fixed(type)) {
+        fixed_leaf(g, type, is_uniform);
     } else if (type == TYPE_MATRIX) {
         random_put(g, "matrix ");
         literal(g);
@@ -78,19 +100,23 @@ static void leaf(generator *g, enum ast_type type, bool is_uniform) {
 }
 
 /* `text` with $f a float, $t a triple of the type at hand, $g any geometric triple, $v vector,
- * $n normal, $p point, $c color, $m matrix, $? a condition, $= a variable of the type at hand. */
+ * $n normal, $p point, $c color, $m matrix, $x any fixed-point, $F the fixed-point type at hand
+ * itself, $? a condition. */
 static void fill(generator *g, const char *text, enum ast_type type, int depth, bool is_uniform) {
-    static const char letters[] = "fvnpcmtg";
+    static const char letters[] = "fvnpcmtgx";
     for (; *text; text++) {
         if (*text != '$') {
             random_put(g, "%c", *text);
             continue;
         }
         const enum ast_type types[] = {
-            TYPE_FLOAT, TYPE_VECTOR, TYPE_NORMAL, TYPE_POINT,
-            TYPE_COLOR, TYPE_MATRIX, type,        TYPE_POINT + random_below(g, 3)};
+            TYPE_FLOAT,     TYPE_VECTOR, TYPE_NORMAL, TYPE_POINT,
+            TYPE_COLOR,     TYPE_MATRIX, type,        TYPE_POINT + random_below(g, 3),
+            random_fixed(g)};
         text++;
-        if (*text == '?')
+        if (*text == 'F')
+            random_put(g, "%s", random_type_word(type));
+        else if (*text == '?')
             random_condition(g, depth - 1, is_uniform);
         else
             random_expression(g, types[strchr(letters, *text) - letters], depth - 1, is_uniform);
@@ -98,7 +124,7 @@ static void fill(generator *g, const char *text, enum ast_type type, int depth, 
 }
 
 static const char *space(generator *g, bool is_uniform) {
-    const struct random_variable *v = find(g, TYPE_STRING, is_uniform, false, false);
+    const struct random_variable *v = find(g, TYPE_STRING, is_uniform, false, 0);
     if (v && random_once_in(g, 2))
         return v->name;
     return PICK(g, "\"world\"", "\"object\"", "\"shader\"");
@@ -112,6 +138,16 @@ static bool assignment(generator *g, enum ast_type type, int depth) {
                type == TYPE_MATRIX ? PICK(g, "=", "*=") : PICK(g, "=", "+=", "-=", "*=", "/="));
     random_expression(g, type, depth - 1, false);
     random_put(g, ")");
+    return true;
+}
+
+/* A triple from an array of three. */
+static bool from_array(generator *g, enum ast_type type, bool is_uniform) {
+    const struct random_variable *v =
+        random_array(g, random_once_in(g, 2) ? random_fixed(g) : TYPE_FLOAT, false, is_uniform);
+    if (!v || v->length != 3 || v->is_open || !ast_type_is_triple(type))
+        return false;
+    random_put(g, "(%s %s)", random_type_word(type), v->name);
     return true;
 }
 
@@ -151,24 +187,41 @@ static void spline(generator *g, enum ast_type type, int depth, bool is_uniform)
     random_put(g, ")");
 }
 
-bool random_call(generator *g, enum ast_type type, int depth) {
-    const struct random_function *f = NULL;
-    int fitting = 0;
-    for (int i = 0; i < g->function_count; i++)
-        if (g->functions[i].type == type && g->cost + g->functions[i].cost < g->cost_max &&
-            !(g->functions[i].has_illuminance && g->in_illuminance) && !g->no_effects &&
-            random_once_in(g, ++fitting))
-            f = &g->functions[i];
-    if (!f)
-        return false;
-    for (int i = 0; i < f->formal_count;
-         i++) { /* first see whether there is something to write to */
+/* A variable or an element; there is one. */
+static void output_argument(generator *g, enum ast_type type) {
+    const struct random_variable *v = random_target(g, type),
+                                 *array = random_array(g, type, true, false);
+    if (!array || (v && !random_once_in(g, 3))) {
+        random_put(g, "%s", v->name);
+        return;
+    }
+    random_put(g, "%s[", array->name);
+    random_index(g, false);
+    random_put(g, "]");
+}
+
+/* An array for a parameter, which the function takes to be of this length at least. */
+static const struct random_variable *array_argument(generator *g, const struct random_function *f,
+                                                    int i) {
+    return find(g, f->formals[i].type, false, f->is_output[i], f->formals[i].length);
+}
+
+/* Whether there is something to write to for each output parameter. */
+static bool has_targets(generator *g, const struct random_function *f) {
+    for (int i = 0; i < f->formal_count; i++) {
         const struct random_variable *formal = &f->formals[i];
-        if (formal->length && !random_array(g, formal->type, f->is_output[i], false))
+        if (formal->length && !array_argument(g, f, i))
             return false;
-        if (!formal->length && f->is_output[i] && !random_target(g, formal->type))
+        if (!formal->length && f->is_output[i] && !random_target(g, formal->type) &&
+            !random_array(g, formal->type, true, false))
             return false;
     }
+    return true;
+}
+
+bool random_call_of(generator *g, const struct random_function *f, int depth) {
+    if ((f->has_illuminance && g->in_illuminance) || g->no_effects || !has_targets(g, f))
+        return false;
     g->cost += f->cost;
     g->uses_illuminance |= f->has_illuminance;
     random_put(g, "%s(", f->name);
@@ -176,9 +229,9 @@ bool random_call(generator *g, enum ast_type type, int depth) {
         const struct random_variable *formal = &f->formals[i];
         random_put(g, i ? ", " : "");
         if (formal->length)
-            random_put(g, "%s", random_array(g, formal->type, f->is_output[i], false)->name);
+            random_put(g, "%s", array_argument(g, f, i)->name);
         else if (f->is_output[i])
-            random_put(g, "%s", random_target(g, formal->type)->name);
+            output_argument(g, formal->type);
         else
             random_expression(g, formal->type, depth - 1, formal->is_uniform);
     }
@@ -186,11 +239,29 @@ bool random_call(generator *g, enum ast_type type, int depth) {
     return true;
 }
 
+bool random_call(generator *g, enum ast_type type, int depth) {
+    const struct random_function *f = NULL;
+    int fitting = 0;
+    for (int i = 0; i < g->function_count; i++)
+        if (g->functions[i].type == type && g->cost + g->functions[i].cost < g->cost_max &&
+            random_once_in(g, ++fitting))
+            f = &g->functions[i];
+    return f && random_call_of(g, f, depth);
+}
+
 void random_condition(generator *g, int depth, bool is_uniform) {
     const struct random_variable *v;
     enum ast_type type;
     g->cost++;
-    switch (random_below(g, depth > 0 ? 12 : 5)) {
+    switch (random_below(g, depth > 0 ? 14 : 5)) {
+    case 12:
+    case 13:
+        random_put(g, "(");
+        random_expression(g, random_fixed(g), depth - 1, is_uniform);
+        random_put(g, " %s ", PICK(g, "<", ">", "<=", ">=", "==", "!="));
+        random_expression(g, random_fixed(g), depth - 1, is_uniform);
+        random_put(g, ")");
+        return;
     case 8:
     case 9:
         random_put(g, "(");
@@ -212,7 +283,7 @@ void random_condition(generator *g, int depth, bool is_uniform) {
         random_put(g, ")");
         return;
     case 6:
-        v = find(g, TYPE_STRING, is_uniform, false, false);
+        v = find(g, TYPE_STRING, is_uniform, false, 0);
         if (v) {
             random_put(g, "(%s %s \"%s\")", v->name, PICK(g, "==", "!="),
                        PICK(g, "world", "shader", "other"));
@@ -304,6 +375,69 @@ static const char *const float_forms[] = {
     "($? ? $f : $f)",
     "($? * $f)",
     "($f + $?)",
+};
+
+/* In a program without fixed-point these are floats, too. */
+static const char *const mixed_forms[] = {
+    "(float ($f + $x))",
+    "(float ($x * $f))",
+    "(float ($x / $x))",
+    "(float ($x % $x))",
+    "(float $x)",
+    "(float $x)",
+    "($f % $f)",
+    "sin($x)",
+    "(float abs($x))",
+    "(float max($x, $f))",
+    "(float ($? ? $x : $f))",
+    "comp($c, $x)",
+    "(float noise($x, $x))",
+    "(float mix($f, $f, $x))",
+};
+
+static const char *const fixed_forms[] = {
+    "($x + $x)",
+    "($x - $x)",
+    "($x * $x)",
+    "($x / $x)",
+    "($x % $x)",
+    "($x + $x)",
+    "($x - $x)",
+    "($x * $x)",
+    "(-$x)",
+    "($x + $f)",
+    "($x * 2)",
+    "($x * 0.5)",
+    "($x - 0.25)",
+    "($x + 1000000)",
+    "($x / 3)",
+    "($x % 4)",
+    "(1 - $x)",
+    "($F $x)",
+    "($F $x)",
+    "($F $f)",
+    "($F ($?))",
+    "mod($x, $x)",
+    "min($x, $x)",
+    "max($x, $x, $x)",
+    "clamp($x, $x, $x)",
+    "clamp($x, 0, 1)",
+    "mix($x, $x, $x)",
+    "abs($x)",
+    "sign($x)",
+    "floor($x)",
+    "ceil($x)",
+    "round($x)",
+    "sqrt($x)",
+    "step($x, $x)",
+    "step(0.5, $x)",
+    "noise($x)",
+    "noise($x, $x)",
+    "noise(($F $x), ($F $x), ($F $x))",
+    "($? ? $x : $x)",
+    "($? ? $x : 1)",
+    "($x * $?)",
+    "($x + $?)",
 };
 
 static const char *const triple_forms[] = {
@@ -399,16 +533,17 @@ static void transformation(generator *g, enum ast_type type, int depth, bool is_
 static bool special(generator *g, enum ast_type type, int depth, bool is_uniform) {
     static const char *const lit[] = {"diffuse($n)", "specular($n, $v, $f)", "phong($n, $v, $f)"};
     bool is_surface = !g->program->is_light;
-    switch (random_below(g, 6)) {
+    switch (random_below(g, 7)) {
     case 0:
         return !is_uniform && assignment(g, type, depth);
     case 1:
     case 2:
+    case 6:
         return !is_uniform && random_call(g, type, depth);
     case 3:
-        return element(g, type, is_uniform);
+        return from_array(g, type, is_uniform) || element(g, type, is_uniform);
     case 4:
-        if (type == TYPE_MATRIX)
+        if (type == TYPE_MATRIX || ast_type_is_fixed(type))
             return false;
         spline(g, type, depth, is_uniform);
         return true;
@@ -417,7 +552,7 @@ static bool special(generator *g, enum ast_type type, int depth, bool is_uniform
             transformation(g, type, depth, is_uniform);
             return true;
         }
-        if (is_uniform || type == TYPE_MATRIX)
+        if (is_uniform || type == TYPE_MATRIX || ast_type_is_fixed(type))
             return false;
         if (type == TYPE_COLOR && is_surface && random_once_in(g, 2)) {
             if (g->in_illuminance || random_once_in(g, 2)) {
@@ -440,13 +575,17 @@ void random_expression(generator *g, enum ast_type type, int depth, bool is_unif
         leaf(g, type, is_uniform);
         return;
     }
-    if (random_once_in(g, 5) && special(g, type, depth, is_uniform))
+    if (random_once_in(g, 4) && special(g, type, depth, is_uniform))
         return;
 #define FORM(list)                                                                                 \
     fill(g, list[random_below(g, (int)(sizeof list / sizeof *list))], type, depth, is_uniform)
     g->cost += type == TYPE_MATRIX ? 10 : type == TYPE_FLOAT ? 0 : 2;
-    if (type == TYPE_FLOAT)
+    if (type == TYPE_FLOAT && random_once_in(g, g->format_count ? 4 : 20))
+        FORM(mixed_forms);
+    else if (type == TYPE_FLOAT)
         FORM(float_forms);
+    else if (ast_type_is_fixed(type))
+        FORM(fixed_forms);
     else if (type == TYPE_MATRIX)
         FORM(matrix_forms);
     else if (random_once_in(g, 2))

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "shaders/simd/shader_module.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,94 +32,8 @@ enum ast_type random_triple(generator *g) {
     return TYPE_COLOR + (enum ast_type)random_below(g, 4);
 }
 
-static enum ast_type any_type(generator *g) {
-    int which = random_below(g, 13);
-    return which < 6 ? TYPE_FLOAT : which < 12 ? random_triple(g) : TYPE_MATRIX;
-}
-
-static void start_line(generator *g) {
+void random_start_line(generator *g) {
     random_put(g, "%*s", 4 * g->indent, "");
-}
-
-/* ---- variables ---- */
-
-static struct random_variable *add_variable(generator *g, const char *name, enum ast_type type) {
-    struct random_variable *v = &g->variables[g->variable_count++];
-    *v = (struct random_variable){.type = type};
-    snprintf(v->name, sizeof v->name, "%s", name);
-    return v;
-}
-
-static bool has_room(const generator *g) {
-    return g->variable_count < RANDOM_VARIABLES - 32; /* those of a function, too */
-}
-
-/* A new name, or that of a variable outside of this scope, which it then hides. */
-static void choose_name(generator *g, char name[8]) {
-    snprintf(name, 8, "v%d", g->next_number++);
-    if (g->scope_start <= g->first_visible || !random_once_in(g, 8))
-        return;
-    int which = g->first_visible + random_below(g, g->scope_start - g->first_visible);
-    const char *outer = g->variables[which].name;
-    for (int i = g->scope_start; i < g->variable_count; i++)
-        if (!strcmp(g->variables[i].name, outer))
-            return;
-    if (outer[0] == 'v')
-        snprintf(name, 8, "%s", outer);
-}
-
-static void declare_array(generator *g, enum ast_type type, bool is_uniform) {
-    char name[8];
-    int length = 1 + random_below(g, 6), given = is_uniform ? length : random_below(g, length + 1);
-    choose_name(g, name);
-    start_line(g);
-    random_put(g, "%s%s %s[%d]", is_uniform ? "uniform " : "", random_type_word(type), name,
-               length);
-    for (int i = 0; i < given; i++) {
-        random_put(g, i ? ", " : " = {");
-        random_expression(g, type, 1, is_uniform);
-    }
-    random_put(g, given ? "};\n" : ";\n");
-    struct random_variable *v = add_variable(g, name, type);
-    v->length = length;
-    v->is_uniform = is_uniform;
-}
-
-static void declare(generator *g) {
-    char name[8];
-    enum ast_type type = any_type(g);
-    bool is_uniform = !g->has_jumped && random_once_in(g, 5);
-    bool is_varying = !is_uniform && random_once_in(g, 8);
-    if (!has_room(g))
-        return;
-    if (type != TYPE_MATRIX && random_once_in(g, 5)) {
-        declare_array(g, type, is_uniform);
-        return;
-    }
-    choose_name(g, name);
-    start_line(g);
-    random_put(g, "%s%s %s",
-               is_uniform   ? "uniform "
-               : is_varying ? "varying "
-                            : "",
-               random_type_word(type), name);
-    if (is_uniform || !random_once_in(g, 8)) {
-        random_put(g, " = ");
-        random_expression(g, type, 2 + random_below(g, 2), is_uniform);
-    }
-    random_put(g, ";\n");
-    add_variable(g, name, type)->is_uniform = is_uniform;
-}
-
-static void declare_string(generator *g) {
-    char name[8];
-    if (g->has_jumped || !has_room(g))
-        return;
-    choose_name(g, name);
-    start_line(g);
-    random_put(g, "string %s = \"%s\";\n", name, random_once_in(g, 2) ? "world" : "object");
-    struct random_variable *v = add_variable(g, name, TYPE_STRING);
-    v->is_uniform = v->is_readonly = true;
 }
 
 /* ---- statements ---- */
@@ -134,21 +49,38 @@ static void braced(generator *g, int count) {
     g->variable_count = variables;
     g->function_count = functions;
     g->scope_start = scope;
-    start_line(g);
+    random_start_line(g);
     random_put(g, "}\n");
+}
+
+/* One array into another; false when there is none. */
+static bool copy_array(generator *g, const struct random_variable *to) {
+    if (to->is_open)
+        return false;
+    size_t length = g->length;
+    random_start_line(g);
+    random_put(g, "%s", to->name);
+    if (random_whole_array(g, to->type, to->length, false)) {
+        random_put(g, ";\n");
+        return true;
+    }
+    g->length = length;
+    return false;
 }
 
 static void assign(generator *g) {
     static const char *const operators[] = {"=", "=", "=", "+=", "-=", "*=", "/="};
-    enum ast_type type = any_type(g);
+    enum ast_type type = random_any_type(g);
     const struct random_variable *v = random_target(g, type), *array;
     const char *word = operators[random_below(g, 7)];
-    if (type == TYPE_MATRIX && v && (word[0] == '+' || word[0] == '-'))
+    if (type == TYPE_MATRIX && (word[0] == '+' || word[0] == '-'))
         word = "/=";
-    array = type != TYPE_MATRIX && random_once_in(g, 3) ? random_array(g, type, true, false) : NULL;
+    array = random_once_in(g, 3) ? random_array(g, type, true, false) : NULL;
     if (!v && !array)
         return;
-    start_line(g);
+    if (array && random_once_in(g, 3) && copy_array(g, array))
+        return;
+    random_start_line(g);
     if (array) {
         random_put(g, "%s[", array->name);
         random_index(g, false);
@@ -167,7 +99,7 @@ static void set_component(generator *g) {
     const struct random_variable *v = random_target(g, type);
     if (!v)
         return;
-    start_line(g);
+    random_start_line(g);
     random_put(g, "%s(%s", type == TYPE_MATRIX ? "setcomp" : names[which], v->name);
     for (int i = type == TYPE_MATRIX ? 0 : which == 3 ? 1 : 2; i < 3; i++) {
         random_put(g, ", ");
@@ -178,14 +110,14 @@ static void set_component(generator *g) {
 
 static void branch(generator *g) {
     bool has_else = random_once_in(g, 3);
-    start_line(g);
+    random_start_line(g);
     random_put(g, "if (");
     random_condition(g, 2, false);
     random_put(g, ") {\n");
     g->nesting++;
     braced(g, 1 + random_below(g, 3));
     if (has_else) {
-        start_line(g);
+        random_start_line(g);
         random_put(g, "else {\n");
         braced(g, 1 + random_below(g, 3));
     }
@@ -211,15 +143,15 @@ static void loop(generator *g) {
     bool is_uniform = !g->has_jumped && random_once_in(g, 2), is_while = random_once_in(g, 3);
     int trips = 1 + random_below(g, 3);
     char name[8];
-    if (!has_room(g) || g->loops > 2)
+    if (!random_has_room(g) || g->loops > 2)
         return;
     snprintf(name, sizeof name, "i%d", g->next_number++);
-    start_line(g);
+    random_start_line(g);
     random_put(g, "%sfloat %s = %d;\n", is_uniform ? "uniform " : "", name, is_while ? 0 : 5);
-    struct random_variable *v = add_variable(g, name, TYPE_FLOAT);
+    struct random_variable *v = random_add_variable(g, name, TYPE_FLOAT);
     v->is_readonly = true;
     v->is_uniform = is_uniform;
-    start_line(g);
+    random_start_line(g);
     if (is_while)
         random_put(g, "while (%s < %d", name, trips);
     else
@@ -240,7 +172,7 @@ static void jump(generator *g) {
     if (!is_return && g->open_loops == 0)
         return;
     g->has_jumped = true;
-    start_line(g);
+    random_start_line(g);
     random_put(g, "if (");
     random_condition(g, 1, false);
     random_put(g, ") ");
@@ -259,10 +191,10 @@ static void jump(generator *g) {
 }
 
 static void illuminance(generator *g) {
-    if (g->program->is_light || g->in_illuminance || !has_room(g) || g->loops > 1)
+    if (g->program->is_light || g->in_illuminance || !random_has_room(g) || g->loops > 1)
         return;
     g->uses_illuminance = true;
-    start_line(g);
+    random_start_line(g);
     random_put(g, "illuminance (P");
     if (random_once_in(g, 2)) {
         random_put(g, ", ");
@@ -272,8 +204,8 @@ static void illuminance(generator *g) {
     }
     random_put(g, ") {\n");
     int variables = g->variable_count;
-    add_variable(g, "L", TYPE_VECTOR)->is_readonly = true;
-    add_variable(g, "Cl", TYPE_COLOR)->is_readonly = true;
+    random_add_variable(g, "L", TYPE_VECTOR)->is_readonly = true;
+    random_add_variable(g, "Cl", TYPE_COLOR)->is_readonly = true;
     g->in_illuminance = true;
     loop_body(g, false);
     g->in_illuminance = false;
@@ -284,7 +216,7 @@ static void illuminate(generator *g) {
     if (!g->program->is_light || g->in_illuminate || g->in_function)
         return;
     bool is_solar = random_once_in(g, 3);
-    start_line(g);
+    random_start_line(g);
     random_put(g, is_solar ? "solar (" : "illuminate (");
     random_expression(g, is_solar ? TYPE_VECTOR : TYPE_POINT, 1, false);
     if (is_solar) {
@@ -315,7 +247,7 @@ static void assign_uniform(generator *g) {
             v = &g->variables[i];
     if (!v || g->has_jumped)
         return;
-    start_line(g);
+    random_start_line(g);
     random_put(g, "%s = ", v->name);
     random_expression(g, v->type, 2, true);
     random_put(g, ";\n");
@@ -329,10 +261,10 @@ static void statement(generator *g) {
     case 1:
     case 2:
     case 3:
-        declare(g);
+        random_declare(g);
         break;
     case 4:
-        declare_string(g);
+        random_declare_string(g);
         break;
     case 5:
         set_component(g);
@@ -360,12 +292,12 @@ static void statement(generator *g) {
             jump(g);
         break;
     case 14:
-        if (!g->in_illuminate && g->function_count < RANDOM_FUNCTIONS && has_room(g) &&
+        if (!g->in_illuminate && g->function_count < RANDOM_FUNCTIONS && random_has_room(g) &&
             g->nesting < 2)
             define_function(g);
         break;
     case 15:
-        start_line(g);
+        random_start_line(g);
         random_put(g, random_call(g, TYPE_VOID, 2) ? ";\n" : "\n");
         break;
     case 16:
@@ -374,7 +306,7 @@ static void statement(generator *g) {
         break;
     case 17:
         if (g->nesting < 3) {
-            start_line(g);
+            random_start_line(g);
             random_put(g, "{\n");
             braced(g, 2);
         }
@@ -392,10 +324,9 @@ static void statements(generator *g, int count) {
 /* ---- functions ---- */
 
 static void define_formals(generator *g, struct random_function *f) {
-    f->formal_count = random_below(g, RANDOM_FORMALS);
     for (int i = 0; i < f->formal_count; i++) {
         struct random_variable *v = &f->formals[i];
-        v->type = any_type(g);
+        v->type = random_any_type(g);
         v->length = v->type != TYPE_MATRIX && random_once_in(g, 8) ? 4 : 0;
         f->is_output[i] = random_once_in(g, 3);
         v->is_uniform = !f->is_output[i] && !v->length && random_once_in(g, 8);
@@ -403,8 +334,9 @@ static void define_formals(generator *g, struct random_function *f) {
         random_put(g, "%s%s%s%s %s%s", i ? "; " : "", f->is_output[i] ? "output " : "",
                    v->is_uniform ? "uniform " : "", random_type_word(v->type), v->name,
                    v->length ? "[]" : "");
-        struct random_variable *added = add_variable(g, v->name, v->type);
+        struct random_variable *added = random_add_variable(g, v->name, v->type);
         added->length = v->length;
+        added->is_open = v->length != 0;
         added->is_uniform = v->is_uniform;
         added->is_readonly = v->is_uniform || (v->length && !f->is_output[i]);
     }
@@ -412,44 +344,59 @@ static void define_formals(generator *g, struct random_function *f) {
 
 /* The predefined variables of this kind of shader, into the list of what is visible. */
 static void add_globals(generator *g) {
-    add_variable(g, "P", TYPE_POINT)->is_readonly = !g->program->is_light; /* lights are at P */
-    add_variable(g, "N", TYPE_NORMAL);
-    add_variable(g, "PI", TYPE_FLOAT)->is_readonly = true;
+    random_add_variable(g, "P", TYPE_POINT)->is_readonly =
+        !g->program->is_light; /* lights are at P */
+    random_add_variable(g, "N", TYPE_NORMAL);
+    random_add_variable(g, "PI", TYPE_FLOAT)->is_readonly = true;
     if (g->program->is_light) {
-        add_variable(g, "Ps", TYPE_POINT)->is_readonly = true;
+        random_add_variable(g, "Ps", TYPE_POINT)->is_readonly = true;
         return;
     }
-    add_variable(g, "s", TYPE_FLOAT);
-    add_variable(g, "t", TYPE_FLOAT)->is_readonly = true;
-    add_variable(g, "u", TYPE_FLOAT)->is_readonly = true;
-    add_variable(g, "I", TYPE_VECTOR)->is_readonly = true;
-    add_variable(g, "Ng", TYPE_NORMAL)->is_readonly = true;
-    add_variable(g, "Cs", TYPE_COLOR)->is_readonly = true;
-    add_variable(g, "Ci", TYPE_COLOR);
+    random_add_variable(g, "s", TYPE_FLOAT);
+    random_add_variable(g, "t", TYPE_FLOAT)->is_readonly = true;
+    random_add_variable(g, "u", TYPE_FLOAT)->is_readonly = true;
+    random_add_variable(g, "I", TYPE_VECTOR)->is_readonly = true;
+    random_add_variable(g, "Ng", TYPE_NORMAL)->is_readonly = true;
+    random_add_variable(g, "Cs", TYPE_COLOR)->is_readonly = true;
+    random_add_variable(g, "Ci", TYPE_COLOR);
+}
+
+/* A new name; or that of another function of the file, which takes another number of arguments. */
+static void name_function(generator *g, struct random_function *f) {
+    snprintf(f->name, sizeof f->name, "f%d", g->next_number++);
+    if (f->is_nested || !g->function_count || !random_once_in(g, 3))
+        return;
+    const char *name = g->functions[random_below(g, g->function_count)].name;
+    for (int i = 0; i < g->function_count; i++)
+        if (!strcmp(g->functions[i].name, name) && g->functions[i].formal_count == f->formal_count)
+            return;
+    snprintf(f->name, sizeof f->name, "%s", name);
 }
 
 static void define_function(generator *g) {
     generator outer = *g;
-    struct random_function f = {.type = random_once_in(g, 4) ? TYPE_VOID : any_type(g)};
-    bool is_nested = g->first_visible == 0 && g->variable_count && g->indent;
-    if (!is_nested) {
+    struct random_function f = {.type = random_once_in(g, 4) ? TYPE_VOID : random_any_type(g),
+                                .formal_count = random_below(g, RANDOM_FORMALS),
+                                .is_nested = g->indent != 0};
+    if (!(f.is_nested && g->first_visible == 0 && g->variable_count)) {
         g->first_visible = g->variable_count;
         add_globals(g);
     }
     g->scope_start = g->variable_count;
-    snprintf(f.name, sizeof f.name, "f%d", g->next_number++);
-    start_line(g);
+    name_function(g, &f);
+    random_start_line(g);
     random_put(g, "%s %s(", random_type_word(f.type), f.name);
     define_formals(g, &f);
     random_put(g, ") {\n");
-    g->open_loops = g->loops = 0;
+    g->open_loops = g->loops = g->cost = 0; /* calls count, definitions do not */
+    g->cost_max = 6 + random_below(g, 20);
     g->may_return = g->in_function = true;
     g->has_jumped = g->uses_illuminance = false;
     g->result = f.type;
     g->nesting++;
     g->indent++;
     statements(g, 1 + random_below(g, 4));
-    start_line(g);
+    random_start_line(g);
     if (f.type != TYPE_VOID) {
         random_put(g, "return ");
         random_expression(g, f.type, 3, false);
@@ -457,12 +404,11 @@ static void define_function(generator *g) {
     }
     random_put(g, "\n%*s}\n", 4 * outer.indent, "");
     f.has_illuminance = g->uses_illuminance;
-    f.cost = g->cost - outer.cost + 2;
+    f.cost = g->cost + 2;
     outer.rng = g->rng;
     outer.length = g->length;
     outer.capacity = g->capacity;
     outer.next_number = g->next_number;
-    outer.cost = g->cost;
     *g = outer;
     g->functions[g->function_count++] = f;
 }
@@ -473,9 +419,10 @@ static void define_parameter(generator *g, int number) {
     struct random_program *program = g->program;
     char name[8];
     bool is_string = random_once_in(g, 8);
-    enum ast_type type = is_string              ? TYPE_STRING
-                         : random_once_in(g, 2) ? TYPE_FLOAT
-                                                : random_triple(g);
+    enum ast_type type = is_string ? TYPE_STRING
+                         : random_once_in(g, 2)
+                             ? random_once_in(g, 3) ? TYPE_FLOAT : random_fixed(g)
+                             : random_triple(g);
     int length = !is_string && random_once_in(g, 6) ? 2 + random_below(g, 4) : 0;
     bool is_uniform = random_once_in(g, 3), is_varying = !is_uniform && random_once_in(g, 4);
     snprintf(name, sizeof name, "%c%d", is_string ? 'w' : 'p', number);
@@ -497,7 +444,7 @@ static void define_parameter(generator *g, int number) {
         if (!is_string)
             random_expression(g, type, 2, true);
     }
-    struct random_variable *v = add_variable(g, name, type);
+    struct random_variable *v = random_add_variable(g, name, type);
     v->length = length;
     v->is_uniform = is_uniform || is_string;
     v->is_readonly = true;
@@ -508,6 +455,36 @@ static void define_parameter(generator *g, int number) {
     }
 }
 
+/* A fixed-point value as a number from 0 to 1: its upper or its lower bits. */
+static void read_fixed(generator *g, const char *name, struct fixed_format f) {
+    const int bits = f.size < 12 ? f.size : 12,
+              exponent = random_once_in(g, 2) ? f.exponent : f.exponent - f.size + bits;
+    random_put(g, "color (unsigned fixed<%d,%d> %s * %.9g);\n", bits, exponent, name,
+               ldexp(1, exponent - bits));
+}
+
+/* Calls some of the functions of the file, whether or not there was room for it before. */
+static void call_functions(generator *g) {
+    const char *result = g->program->is_light ? "Cl" : "Ci";
+    for (int i = 0; i < g->function_count; i++) {
+        const struct random_function *f = &g->functions[i];
+        const size_t before = g->length;
+        if (!random_once_in(g, 3))
+            continue;
+        if (f->type == TYPE_VOID)
+            random_put(g, "    ");
+        else
+            random_put(g, "    %s = 0.7 * %s + clamp(color%s", result, result,
+                       f->type == TYPE_MATRIX ? " comp(" : " (");
+        if (!random_call_of(g, f, 2))
+            g->length = before;
+        else if (f->type == TYPE_VOID)
+            random_put(g, ";\n");
+        else
+            random_put(g, f->type == TYPE_MATRIX ? ", 1, 3), -9, 9);\n" : "), -9, 9);\n");
+    }
+}
+
 /* Everything the shader came to takes part in its result; what is not finite only sometimes. */
 static void finish_shader(generator *g) {
     const char *result = g->program->is_light ? "Cl" : "Ci";
@@ -515,12 +492,19 @@ static void finish_shader(generator *g) {
         const struct random_variable *v = &g->variables[i];
         if (v->is_readonly || v->type == TYPE_STRING || !strcmp(v->name, result))
             continue;
-        char read[96];
-        if (v->type == TYPE_MATRIX)
-            snprintf(read, sizeof read, "(%s, 1, 2) + comp(%s, 3, 0)", v->name, v->name);
-        else
-            snprintf(read, sizeof read, v->length ? "(%s[0])" : "(%s)", v->name);
+        char name[32], read[96];
+        snprintf(name, sizeof name, "%s", v->name);
+        if (v->length)
+            snprintf(name, sizeof name, "%s[%d]", v->name, random_below(g, v->length));
         random_put(g, "    %s = 0.7 * %s + ", result, result);
+        if (ast_type_is_fixed(v->type) && !random_once_in(g, 3)) {
+            read_fixed(g, name, ast_type_format(v->type));
+            continue;
+        }
+        if (v->type == TYPE_MATRIX)
+            snprintf(read, sizeof read, "(%s, 1, 2) + comp(%s, 3, 0)", name, name);
+        else
+            snprintf(read, sizeof read, "(%s)", name);
         random_put(g, random_once_in(g, 5) ? "color %s%s;\n" : "clamp(color %s%s, -9, 9);\n",
                    v->type == TYPE_MATRIX ? "comp" : "", read);
     }
@@ -532,10 +516,12 @@ void random_program_make(struct random_program *program, uint64_t seed, bool is_
     g->rng.state = seed * 2 + is_light;
     g->program = program;
     g->result = TYPE_VOID;
-    g->cost_max = 30 + random_below(g, 90);
+    g->cost_max = 12 + random_below(g, 36);
     program->fast_math = random_once_in(g, 4);
     if (seed % 2) /* any choice of passes gives the same values */
         program->passes_left_out = (uint32_t)(seed * 2654435761u >> 7);
+    if (random_once_in(g, 2))
+        random_choose_formats(g);
     random_put(g, "/* program %llu */\n", (unsigned long long)seed);
     for (int i = random_below(g, is_light ? 2 : 4); i > 0; i--)
         define_function(g);
@@ -545,15 +531,17 @@ void random_program_make(struct random_program *program, uint64_t seed, bool is_
     random_put(g, ";) {\n");
     add_globals(g);
     if (is_light) {
-        add_variable(g, "L", TYPE_VECTOR);
-        add_variable(g, "Cl", TYPE_COLOR);
+        random_add_variable(g, "L", TYPE_VECTOR);
+        random_add_variable(g, "Cl", TYPE_COLOR);
     }
     g->scope_start = g->variable_count;
     g->indent = 1;
     g->may_return = true;
+    g->cost = 0;
     statements(g, is_light ? 4 + random_below(g, 4) : 6 + random_below(g, 12));
     if (is_light && random_once_in(g, 2))
         illuminate(g);
+    call_functions(g);
     finish_shader(g);
     random_put(g, "}\n");
     free(g);

@@ -5,13 +5,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A well-typed shader drawn from a seed: all types, arrays, functions with output parameters and
+/* A well-typed shader drawn from a seed: all types, fixed-point of any format (in half of the
+ * programs), arrays by element and as wholes, functions with output parameters, of one name and
  * inside each other, every kind of control flow (loops are bounded), assignments within
  * expressions, spaces, noise, splines, matrices, lights.
  *
  * Left out, because results are then not told to the bit by the language: literal zeros as
  * components of what is transformed (terms that are zero beforehand are left out of sums), strings
- * at run time that name camera space, loops without an end, and side effects inside subscripts. */
+ * at run time that name camera space, loops without an end, and side effects inside subscripts.
+ * Left out, because the evaluator has none: derivatives, displacement and volume shaders and
+ * messages, texts but for comparison, transformation attributes, shared_phong, extern "C". */
 enum { RANDOM_PROGRAM_MATERIALS = 12 };
 
 struct random_program {

@@ -8,16 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum exit_kind { RUNS_ON, BREAKS, CONTINUES, RETURNS };
-struct flow {
-    enum exit_kind kind;
-    int level;
-};
-
-static int width_of(enum ast_type type) {
-    return type == TYPE_MATRIX ? 16 : ast_type_width(type);
-}
-
 struct reference_slot *reference_slot(struct reference *r, const struct ast_symbol *symbol) {
     size_t at = ((uintptr_t)symbol >> 4) * 0x9e3779b1u % REFERENCE_SLOTS;
     for (int tried = 0; tried < REFERENCE_SLOTS; tried++, at = (at + 1) % REFERENCE_SLOTS) {
@@ -28,7 +18,7 @@ struct reference_slot *reference_slot(struct reference *r, const struct ast_symb
             continue;
         slot->symbol = symbol;
         slot->length = symbol->array_length > 0 ? symbol->array_length : 0;
-        int cells = (slot->length ? slot->length : 1) * width_of(symbol->type);
+        int cells = (slot->length ? slot->length : 1) * reference_cell_count(symbol->type);
         slot->own_cells = slot->cells = calloc((size_t)cells, sizeof *slot->cells);
         if (!slot->cells)
             abort();
@@ -37,32 +27,29 @@ struct reference_slot *reference_slot(struct reference *r, const struct ast_symb
     abort(); /* more variables than any test program has */
 }
 
-static void clear(struct reference *r, const struct ast_symbol *symbol) {
-    struct reference_slot *slot = reference_slot(r, symbol);
-    int cells = (slot->length ? slot->length : 1) * width_of(symbol->type);
-    memset(slot->cells, 0, (size_t)cells * sizeof *slot->cells);
-    slot->identity = shader_string_identity("");
-}
-
-static struct reference_value read_cells(enum ast_type type, const float *cells) {
-    struct reference_value value = {.count = width_of(type)};
-    memcpy(value.part, cells, (size_t)value.count * sizeof *cells);
+struct reference_value reference_read(enum ast_type type, const float *cells) {
+    struct reference_value value = {.count = reference_width(type)};
+    if (ast_type_is_fixed(type)) {
+        value.format = ast_type_format(type);
+        memcpy(&value.raw, cells, sizeof value.raw);
+    } else {
+        memcpy(value.part, cells, (size_t)value.count * sizeof *cells);
+    }
     return value;
 }
 
-static void write_cells(enum ast_type type, float *cells, const struct reference_value *value) {
-    for (int i = 0; i < width_of(type); i++)
+void reference_write(enum ast_type type, float *cells, const struct reference_value *value) {
+    if (ast_type_is_fixed(type)) {
+        memcpy(cells, &value->raw, sizeof value->raw);
+        return;
+    }
+    for (int i = 0; i < reference_width(type); i++)
         cells[i] = value->part[value->count == 1 ? 0 : i];
-}
-
-static void write_slot(struct reference_slot *slot, const struct reference_value *value) {
-    slot->identity = value->identity;
-    write_cells(slot->symbol->type, slot->cells, value);
 }
 
 /* ---- predefined variables ---- */
 
-static float input(struct reference *r, const char *name, int component, float otherwise) {
+float reference_input(struct reference *r, const char *name, int component, float otherwise) {
     float value;
     return r->world->input(r->world->context, name, component, &value) ? value : otherwise;
 }
@@ -77,7 +64,7 @@ static void set_global(struct reference *r, struct reference_slot *slot) {
         switch (source) {
         case GLOBAL_MATERIAL:
         case GLOBAL_BOUND:
-            *to = input(r, global->name, i, 1);
+            *to = reference_input(r, global->name, i, 1);
             break;
         case GLOBAL_POSITION:
             *to = r->world->position[i];
@@ -106,7 +93,7 @@ static void set_global(struct reference *r, struct reference_slot *slot) {
     }
 }
 
-static struct reference_slot *variable(struct reference *r, const struct ast_symbol *symbol) {
+struct reference_slot *reference_variable(struct reference *r, const struct ast_symbol *symbol) {
     struct reference_slot *slot = reference_slot(r, symbol);
     if (symbol->global && slot->generation != r->generation) {
         slot->generation = r->generation;
@@ -126,13 +113,21 @@ static struct reference_value read_name(struct reference *r, const struct ast_ex
                 symbol->type == TYPE_COLOR ? r->light->color[i] : -r->light->direction[i];
         return value;
     }
-    struct reference_slot *slot = variable(r, symbol);
-    value = read_cells(symbol->type, slot->cells);
+    struct reference_slot *slot = reference_variable(r, symbol);
+    value = reference_read(symbol->type, slot->cells);
     value.identity = slot->identity;
     return value;
 }
 
 /* ---- expressions ---- */
+
+float *reference_cells(struct reference *r, const struct ast_expression *e) {
+    struct reference_slot *slot = reference_variable(r, e->symbol);
+    if (e->kind != EXPRESSION_INDEX)
+        return slot->cells;
+    float index = reference_evaluate(r, e->right).part[0];
+    return slot->cells + reference_index(index, slot->length) * reference_cell_count(e->type);
+}
 
 static struct reference_value number(float x) {
     return (struct reference_value){.count = 1, .part = {x}};
@@ -144,7 +139,7 @@ static struct reference_value condition(bool truth) {
 
 static struct reference_value widen(const struct reference_value *value, enum ast_type type) {
     struct reference_value wide = *value;
-    wide.count = width_of(type);
+    wide.count = reference_width(type);
     for (int i = 0; i < wide.count; i++)
         wide.part[i] = value->part[value->count == 1 ? 0 : i];
     return wide;
@@ -156,7 +151,7 @@ static struct reference_value into_current(struct reference *r, enum ast_type ty
 }
 
 static struct reference_value evaluate_tuple(struct reference *r, const struct ast_expression *e) {
-    struct reference_value value = {.count = width_of(e->type)};
+    struct reference_value value = {.count = reference_width(e->type)};
     int i = 0;
     for (const struct ast_expression *a = e->arguments; a; a = a->next)
         value.part[i++] = reference_evaluate(r, a).part[0];
@@ -165,9 +160,54 @@ static struct reference_value evaluate_tuple(struct reference *r, const struct a
     return value;
 }
 
+/* A value as another type, where one of the two is fixed-point; and what needs no conversion. */
+static struct reference_value as_number(const struct reference_value *value, enum ast_type from,
+                                        enum ast_type to) {
+    if (ast_type_is_fixed(to))
+        return reference_fixed_convert(value, from, to);
+    return ast_type_is_fixed(from) ? number(reference_fixed_float(value)) : *value;
+}
+
+/* Element `i` of a whole array, or component `i` of a triple, as an element of another array. */
+static struct reference_value part_of(struct reference *r, const struct ast_expression *from,
+                                      const struct reference_value *triple, int i,
+                                      enum ast_type to) {
+    struct reference_value value = number(triple->part[i % 3]);
+    enum ast_type type = TYPE_FLOAT;
+    if (from->array_length) {
+        type = from->type;
+        value = reference_read(type, reference_variable(r, from->symbol)->cells +
+                                         i * reference_cell_count(type));
+    }
+    return as_number(&value, type, to);
+}
+
+/* Copies a whole array, or a triple, into an array. */
+void reference_copy_whole(struct reference *r, const struct ast_expression *from,
+                          struct reference_slot *to) {
+    struct reference_value triple = {.count = 3}, one;
+    const enum ast_type type = to->symbol->type;
+    if (!from->array_length)
+        triple = reference_evaluate(r, from);
+    for (int i = 0; i < to->length; i++) {
+        one = part_of(r, from, &triple, i, type);
+        reference_write(type, to->cells + i * reference_cell_count(type), &one);
+    }
+}
+
 static struct reference_value evaluate_convert(struct reference *r,
                                                const struct ast_expression *e) {
-    struct reference_value value = reference_evaluate(r, e->left);
+    struct reference_value value = {.count = 3};
+    if (e->left->array_length) {
+        for (int i = 0; i < 3; i++)
+            value.part[i] = part_of(r, e->left, &value, i, TYPE_FLOAT).part[0];
+        return value;
+    }
+    value = reference_evaluate(r, e->left);
+    if (ast_type_is_fixed(e->left->type) && e->type == TYPE_BOOL)
+        return condition(value.raw != 0);
+    if (ast_type_is_fixed(e->left->type) || ast_type_is_fixed(e->type))
+        return as_number(&value, e->left->type, e->type);
     if (e->type == TYPE_BOOL)
         return e->left->type == TYPE_BOOL ? value : condition(value.part[0] != 0);
     if (e->left->type == TYPE_BOOL)
@@ -188,6 +228,10 @@ static struct reference_value evaluate_cast(struct reference *r, const struct as
     r->in_default = in_default && !takes_space;
     struct reference_value value = reference_evaluate(r, e->left);
     r->in_default = in_default;
+    if (ast_type_is_fixed(e->type))
+        return as_number(&value, e->left->type, e->type);
+    if (ast_type_is_fixed(e->left->type))
+        value = as_number(&value, e->left->type, TYPE_FLOAT);
     if (e->left->type == TYPE_BOOL)
         value = number(value.truth ? 1 : 0);
     if (e->type == TYPE_MATRIX) {
@@ -211,6 +255,8 @@ static bool is_equal(const struct ast_expression *e, const struct reference_valu
                      const struct reference_value *b) {
     if (e->left->type == TYPE_STRING)
         return a->identity == b->identity;
+    if (ast_type_is_fixed(e->left->type))
+        return reference_fixed_order(a, b) == 0;
     int count = a->count > b->count ? a->count : b->count;
     for (int i = 0; i < count; i++)
         if (!(a->part[a->count == 1 ? 0 : i] == b->part[b->count == 1 ? 0 : i]))
@@ -222,6 +268,15 @@ static struct reference_value evaluate_binary(struct reference *r, const struct 
     struct reference_value a = reference_evaluate(r, e->left), b = reference_evaluate(r, e->right),
                            value = {.count = 3};
     const float *x = a.part, *y = b.part;
+    float order[2];
+    if (ast_type_is_fixed(e->type))
+        return reference_fixed_binary(e->token, &a, &b);
+    if (ast_type_is_fixed(e->left->type)) { /* a comparison: exact, whatever the formats */
+        order[0] = (float)reference_fixed_order(&a, &b);
+        order[1] = 0;
+        x = &order[0];
+        y = &order[1];
+    }
     switch (e->token) {
     case TOKEN_AND:
         return condition(a.truth && b.truth);
@@ -253,49 +308,66 @@ static struct reference_value evaluate_binary(struct reference *r, const struct 
 
 static struct reference_value evaluate_unary(struct reference *r, const struct ast_expression *e) {
     struct reference_value value = reference_evaluate(r, e->left);
+    if (ast_type_is_fixed(e->type))
+        return reference_fixed_negate(&value);
     value.truth = !value.truth;
     for (int i = 0; i < value.count; i++)
         value.part[i] = -value.part[i];
     return value;
 }
 
+/* What += and its like make of the two. A fixed-point target of float arithmetic is a float
+ * meanwhile. */
+static struct reference_value change(const struct ast_expression *e,
+                                     const struct reference_value *old,
+                                     const struct reference_value *right) {
+    struct reference_value left = *old, value;
+    if (e->type == TYPE_MATRIX)
+        return reference_matrix_product(e->token == '/', &left, right);
+    if (!ast_type_is_fixed(e->type))
+        return reference_each(e->token, &left, right);
+    if (ast_type_is_fixed(e->right->type)) {
+        value = reference_fixed_binary(e->token, &left, right);
+        return reference_fixed_convert(&value, TYPE_ANY_FIXED, e->type);
+    }
+    left = as_number(&left, e->type, TYPE_FLOAT);
+    value = reference_each(e->token, &left, right);
+    return as_number(&value, TYPE_FLOAT, e->type);
+}
+
 static struct reference_value evaluate_assignment(struct reference *r,
                                                   const struct ast_expression *e) {
+    if (e->left->array_length) {
+        reference_copy_whole(r, e->right, reference_variable(r, e->left->symbol));
+        return (struct reference_value){0};
+    }
     struct reference_value right = reference_evaluate(r, e->right);
-    struct reference_slot *slot = variable(r, e->left->symbol);
-    float *cells = slot->cells;
-    if (e->left->kind == EXPRESSION_INDEX) {
-        float index = reference_evaluate(r, e->left->right).part[0];
-        cells += reference_index(index, slot->length) * width_of(e->type);
-    }
+    float *cells = reference_cells(r, e->left);
     if (e->token) {
-        struct reference_value left = read_cells(e->type, cells);
-        right = e->type == TYPE_MATRIX ? reference_matrix_product(e->token == '/', &left, &right)
-                                       : reference_each(e->token, &left, &right);
+        struct reference_value left = reference_read(e->type, cells);
+        right = change(e, &left, &right);
     }
-    write_cells(e->type, cells, &right);
-    slot->identity = right.identity;
+    reference_write(e->type, cells, &right);
     int32_t identity = right.identity;
+    reference_variable(r, e->left->symbol)->identity = identity;
+    if (ast_type_is_fixed(e->type))
+        return right;
     right = widen(&right, e->type);
     right.identity = identity;
     return right;
 }
 
 struct reference_value reference_evaluate(struct reference *r, const struct ast_expression *e) {
-    struct reference_slot *slot;
     switch (e->kind) {
     case EXPRESSION_NUMBER:
-        return number(e->number);
+        return ast_type_is_fixed(e->type) ? reference_fixed_number(e->number, e->type)
+                                          : number(e->number);
     case EXPRESSION_STRING:
         return (struct reference_value){.count = 1, .identity = shader_string_identity(e->name)};
     case EXPRESSION_NAME:
         return read_name(r, e);
     case EXPRESSION_INDEX:
-        slot = variable(r, e->symbol);
-        return read_cells(
-            e->type,
-            slot->cells + reference_index(reference_evaluate(r, e->right).part[0], slot->length) *
-                              width_of(e->type));
+        return reference_read(e->type, reference_cells(r, e));
     case EXPRESSION_TUPLE:
         return evaluate_tuple(r, e);
     case EXPRESSION_UNARY:
@@ -315,335 +387,4 @@ struct reference_value reference_evaluate(struct reference *r, const struct ast_
                            : reference_builtin(r, e);
     }
     abort();
-}
-
-/* ---- statements ---- */
-
-static struct flow run_list(struct reference *r, const struct ast_statement *list);
-
-/* All arguments are evaluated before the first is bound; arrays are passed as they are. Output
- * parameters are copied back in their order. `given` stands for the one argument of a function that
- * is called from within. */
-struct reference_value reference_call(struct reference *r, const struct ast_function *function,
-                                      const struct ast_expression *arguments,
-                                      const struct reference_value *given) {
-    struct reference_value values[64], outer = r->result;
-    struct reference_slot *arrays[64];
-    bool in_default = r->in_default;
-    int i = 0;
-    if (given)
-        values[0] = *given;
-    for (const struct ast_expression *a = arguments; a; a = a->next, i++) {
-        arrays[i] = a->array_length ? variable(r, a->symbol) : NULL;
-        if (!arrays[i])
-            values[i] = reference_evaluate(r, a);
-    }
-    i = 0;
-    for (const struct ast_symbol *formal = function->formals; formal; formal = formal->next, i++) {
-        struct reference_slot *slot = reference_slot(r, formal);
-        if (formal->array_length) {
-            slot->cells = arrays[i]->cells;
-            slot->length = arrays[i]->length;
-        } else {
-            write_slot(slot, &values[i]);
-        }
-    }
-    r->in_default = false;
-    r->result = (struct reference_value){.count = width_of(function->type),
-                                         .identity = shader_string_identity("")};
-    run_list(r, function->body);
-    struct reference_value result = r->result;
-    r->result = outer;
-    r->in_default = in_default;
-    const struct ast_symbol *formal = function->formals;
-    for (const struct ast_expression *a = arguments; a; a = a->next, formal = formal->next)
-        if (formal->is_output && !formal->array_length) {
-            struct reference_value value =
-                read_cells(formal->type, reference_slot(r, formal)->cells);
-            write_slot(variable(r, a->symbol), &value);
-        }
-    return result;
-}
-
-static void set_elements(struct reference *r, const struct ast_symbol *symbol,
-                         struct reference_slot *slot) {
-    int element = 0;
-    for (const struct ast_expression *e = symbol->elements; e; e = e->next, element++) {
-        struct reference_value value = reference_evaluate(r, e);
-        write_cells(symbol->type, slot->cells + element * width_of(symbol->type), &value);
-    }
-}
-
-static void declare(struct reference *r, const struct ast_symbol *symbol) {
-    struct reference_value initial = {.count = 1, .identity = shader_string_identity("")};
-    if (symbol->initial && !symbol->array_length)
-        initial = reference_evaluate(r, symbol->initial);
-    clear(r, symbol);
-    struct reference_slot *slot = reference_slot(r, symbol);
-    if (!symbol->array_length)
-        write_slot(slot, &initial);
-    set_elements(r, symbol, slot);
-}
-
-/* What a loop makes of how its body ended: false when the loop is over, *flow then being how. */
-static bool goes_on(struct flow *flow) {
-    bool is_here = flow->level <= 1;
-    if (flow->kind == RUNS_ON)
-        return true;
-    if (flow->kind == RETURNS)
-        return false;
-    if (!is_here) {
-        flow->level--;
-        return false;
-    }
-    bool continues = flow->kind == CONTINUES;
-    *flow = (struct flow){RUNS_ON, 0};
-    return continues;
-}
-
-static struct flow run_statement(struct reference *r, const struct ast_statement *s);
-
-static struct flow run_loop(struct reference *r, const struct ast_statement *s) {
-    struct flow flow = {RUNS_ON, 0};
-    if (s->initial)
-        reference_evaluate(r, s->initial);
-    while (!s->expression || reference_evaluate(r, s->expression).truth) {
-        if (++r->steps > SHADER_LOOP_LIMIT) {
-            r->has_overrun = true;
-            break;
-        }
-        flow = run_statement(r, s->body);
-        if (!goes_on(&flow))
-            break;
-        if (s->step)
-            reference_evaluate(r, s->step);
-    }
-    return flow;
-}
-
-struct cone {
-    float axis[3], cosine;
-};
-
-static struct cone evaluate_cone(struct reference *r, const struct ast_expression *axis) {
-    struct cone cone;
-    struct reference_value direction = reference_evaluate(r, axis);
-    float length = sqrtf(reference_dot(direction.part, direction.part));
-    for (int i = 0; i < 3; i++)
-        cone.axis[i] = direction.part[i] / length;
-    cone.cosine = reference_cosine(r, reference_evaluate(r, axis->next).part[0]);
-    return cone;
-}
-
-static bool is_inside(const struct cone *cone, const float direction[3]) {
-    return cone->cosine * sqrtf(reference_dot(direction, direction)) <=
-           reference_dot(direction, cone->axis);
-}
-
-static struct flow run_illuminance(struct reference *r, const struct ast_statement *s) {
-    struct flow flow = {RUNS_ON, 0};
-    struct cone cone = {{0}, 0};
-    bool has_cone = s->argument_count == 3;
-    if (has_cone)
-        cone = evaluate_cone(r, s->arguments->next);
-    for (int i = 0; i < r->world->light_count; i++) {
-        const struct reference_light *light = &r->world->lights[i];
-        float towards[3];
-        for (int c = 0; c < 3; c++)
-            towards[c] = -light->direction[c];
-        if (light->is_ambient || !light->is_lit || (has_cone && !is_inside(&cone, towards)))
-            continue;
-        r->light = light;
-        flow = run_statement(r, s->body);
-        r->light = NULL;
-        if (!goes_on(&flow))
-            break;
-    }
-    return flow;
-}
-
-static struct flow run_illuminate(struct reference *r, const struct ast_statement *s) {
-    struct reference_value direction = reference_evaluate(r, s->arguments);
-    if (s->kind == STATEMENT_ILLUMINATE)
-        for (int i = 0; i < 3; i++)
-            direction.part[i] = r->world->position[i] - direction.part[i];
-    struct cone cone = {{0}, 0};
-    bool has_cone = s->argument_count == 3;
-    if (has_cone)
-        cone = evaluate_cone(r, s->arguments->next);
-    write_slot(variable(r, r->direction), &direction);
-    if (has_cone && !is_inside(&cone, direction.part))
-        return (struct flow){RUNS_ON, 0};
-    r->is_lit = true;
-    return s->body ? run_statement(r, s->body) : (struct flow){RUNS_ON, 0};
-}
-
-static struct flow run_statement(struct reference *r, const struct ast_statement *s) {
-    const struct flow on = {RUNS_ON, 0};
-    switch (s->kind) {
-    case STATEMENT_EMPTY:
-    case STATEMENT_FUNCTION:
-        return on;
-    case STATEMENT_EXPRESSION:
-        reference_evaluate(r, s->expression);
-        return on;
-    case STATEMENT_DECLARE:
-        declare(r, s->symbol);
-        return on;
-    case STATEMENT_BLOCK:
-        return run_list(r, s->body);
-    case STATEMENT_IF:
-        if (reference_evaluate(r, s->expression).truth)
-            return run_statement(r, s->body);
-        return s->otherwise ? run_statement(r, s->otherwise) : on;
-    case STATEMENT_FOR:
-        return run_loop(r, s);
-    case STATEMENT_BREAK:
-        return (struct flow){BREAKS, s->level};
-    case STATEMENT_CONTINUE:
-        return (struct flow){CONTINUES, s->level};
-    case STATEMENT_RETURN:
-        if (s->expression)
-            r->result = reference_evaluate(r, s->expression);
-        return (struct flow){RETURNS, 0};
-    case STATEMENT_ILLUMINANCE:
-        return run_illuminance(r, s);
-    case STATEMENT_ILLUMINATE:
-    case STATEMENT_SOLAR:
-        return run_illuminate(r, s);
-    }
-    abort();
-}
-
-static struct flow run_list(struct reference *r, const struct ast_statement *list) {
-    struct flow flow = {RUNS_ON, 0};
-    for (const struct ast_statement *s = list; s && flow.kind == RUNS_ON; s = s->next)
-        flow = run_statement(r, s);
-    return flow;
-}
-
-/* ---- whole shaders ---- */
-
-/* Sets a parameter: what is given, component by component, else its default value. */
-static void set_parameter(struct reference *r, const struct ast_symbol *symbol) {
-    struct reference_slot *slot = reference_slot(r, symbol);
-    int cells = (slot->length ? slot->length : 1) * width_of(symbol->type);
-    float value;
-    if (!r->world->input(r->world->context, symbol->name, 0, &value)) {
-        r->in_default = true;
-        declare(r, symbol);
-        r->in_default = false;
-        return;
-    }
-    for (int i = 0; i < cells; i++)
-        slot->cells[i] = input(r, symbol->name, i, 0);
-    memcpy(&slot->identity, slot->cells, sizeof slot->identity);
-}
-
-static void run(struct reference *r, const struct reference_world *world) {
-    r->world = world;
-    r->generation++;
-    r->random_calls = 0;
-    r->steps = 0;
-    r->has_overrun = r->is_lit = r->in_default = false;
-    r->light = NULL;
-    for (const struct ast_symbol *symbol = r->unit->shader->formals; symbol; symbol = symbol->next)
-        set_parameter(r, symbol);
-    run_list(r, r->unit->shader->body);
-}
-
-bool reference_shade(struct reference *r, const struct reference_world *world, float color[3]) {
-    run(r, world);
-    memcpy(color, variable(r, r->color)->cells, 3 * sizeof *color);
-    return !r->has_overrun;
-}
-
-static bool says_illuminate(const struct ast_statement *list) {
-    for (const struct ast_statement *s = list; s; s = s->next)
-        if (s->kind == STATEMENT_ILLUMINATE || s->kind == STATEMENT_SOLAR ||
-            says_illuminate(s->body) || says_illuminate(s->otherwise))
-            return true;
-    return false;
-}
-
-bool reference_is_light(const struct reference *r) {
-    return r->unit->kind == SHADER_KIND_LIGHT;
-}
-
-bool reference_is_ambient(const struct reference *r) {
-    return !says_illuminate(r->unit->shader->body);
-}
-
-bool reference_run_light(struct reference *r, const struct reference_world *world,
-                         struct reference_light *light) {
-    run(r, world);
-    memcpy(light->color, variable(r, r->color)->cells, sizeof light->color);
-    memcpy(light->direction, variable(r, r->direction)->cells, sizeof light->direction);
-    light->is_ambient = reference_is_ambient(r);
-    light->is_lit = r->is_lit || light->is_ambient;
-    return !r->has_overrun;
-}
-
-/* The variable a shader is for, which exists even when the shader never says its name. */
-static const struct ast_symbol *result_symbol(struct reference *r, struct ast_symbol **symbols,
-                                              const char *name) {
-    const struct ast_global *global = global_find(name);
-    if (symbols[global - globals])
-        return symbols[global - globals];
-    struct ast_symbol *symbol = compilation_get(r->c, sizeof *symbol);
-    *symbol = (struct ast_symbol){.name = name, .type = global->type, .global = global};
-    return symbol;
-}
-
-static void parse_and_check(struct reference *r, const char *text) {
-    struct compilation *c = r->c;
-    struct ast_unit *prelude =
-        parse_unit(c, "(standard functions)", prelude_text, strlen(prelude_text), true);
-    char *copy = compilation_copy(c, text, strlen(text));
-    r->unit = parse_unit(c, "program.sl", copy, strlen(copy), false);
-    if (!r->unit->shader)
-        compilation_stop(c);
-    struct ast_symbol **symbols = check_unit(c, r->unit, prelude);
-    if (c->error_count)
-        compilation_stop(c);
-    r->prelude = prelude->functions;
-    bool is_surface = r->unit->kind == SHADER_KIND_SURFACE;
-    r->color = result_symbol(r, symbols, is_surface ? "Ci" : "Cl");
-    r->direction = result_symbol(r, symbols, "L");
-}
-
-/* False when the front end stopped with an error. */
-static bool try_to_check(struct reference *r, const char *text) {
-    if (setjmp(r->c->stop))
-        return false;
-    parse_and_check(r, text);
-    return true;
-}
-
-struct reference *reference_open(const char *text, bool fast_math, char *message,
-                                 size_t message_size) {
-    struct reference *r = memory_get(1, sizeof *r);
-    r->c = memory_get(1, sizeof *r->c);
-    r->c->program = memory_get(1, sizeof *r->c->program);
-    r->c->options = &r->options;
-    r->fast_math = fast_math;
-    arena_init(&r->c->arena, 64 << 20);
-    arena_init(&r->c->program->arena, 1 << 20);
-    if (try_to_check(r, text))
-        return r;
-    snprintf(message, message_size, "%s", r->c->message);
-    reference_close(r);
-    return NULL;
-}
-
-void reference_close(struct reference *r) {
-    if (!r)
-        return;
-    for (int i = 0; i < REFERENCE_SLOTS; i++)
-        free(r->slots[i].own_cells);
-    arena_finish(&r->c->arena);
-    arena_finish(&r->c->program->arena);
-    free(r->c->program);
-    free(r->c);
-    free(r);
 }

@@ -37,6 +37,8 @@ static float operate(int token, float a, float b) {
         return a * b;
     case '/':
         return a / b;
+    case '%':
+        return a - b * sf_floor(a / b);
     case BUILTIN_MIN + 256:
         return sf_min(a, b);
     default:
@@ -312,7 +314,7 @@ static float function2(const struct reference *r, enum builtin_id id, float x, f
     case BUILTIN_LOG:
         return function1(r, id, x) / function1(r, id, y);
     case BUILTIN_MOD:
-        return x - y * sf_floor(x / y);
+        return operate('%', x, y);
     case BUILTIN_STEP:
         return y < x ? 0 : 1;
     default:
@@ -320,15 +322,14 @@ static float function2(const struct reference *r, enum builtin_id id, float x, f
     }
 }
 
-static struct reference_value set_component(struct reference *r, const struct ast_expression *e,
+static struct reference_value set_component(const struct ast_expression *e, float *cells,
                                             const struct reference_value *a) {
-    struct reference_slot *slot = reference_slot(r, e->arguments->symbol);
     float value = a[e->argument_count - 1].part[0];
     int which = e->builtin->id == BUILTIN_SETCOMP ? reference_index(a[1].part[0], 3)
                                                   : (int)(e->builtin->id - BUILTIN_SETXCOMP);
     if (e->arguments->type == TYPE_MATRIX)
         which = reference_matrix_element(a[1].part[0], a[2].part[0]);
-    slot->cells[which] = value;
+    cells[which] = value;
     return number(0);
 }
 
@@ -373,13 +374,17 @@ static struct reference_value ambient(const struct reference *r) {
 struct reference_value reference_builtin(struct reference *r, const struct ast_expression *e) {
     struct reference_value a[BUILTIN_ARGUMENTS_MAX], value;
     enum builtin_id id = e->builtin->id;
+    const bool is_written = id >= BUILTIN_SETXCOMP && id <= BUILTIN_SETCOMP;
+    float *cells = is_written ? reference_cells(r, e->arguments) : NULL;
     int count = 0;
     if (id == BUILTIN_SPLINE)
         return spline(r, e);
     for (const struct ast_expression *x = e->arguments; x; x = x->next)
         a[count++] = reference_evaluate(r, x);
-    if (id >= BUILTIN_SETXCOMP && id <= BUILTIN_SETCOMP)
-        return set_component(r, e, a);
+    if (is_written)
+        return set_component(e, cells, a);
+    if (ast_type_is_fixed(e->type))
+        return reference_fixed_builtin(id, a, count);
     if (count && a[0].count == 16)
         return reference_matrix_builtin(r, id, a);
     switch (id) {
