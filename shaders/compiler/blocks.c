@@ -105,10 +105,12 @@ static enum shader_stream stream_of(struct pricing *p, struct ir_node *node) {
     return is_tainted ? SHADER_POST_ILLUM : SHADER_PRE_ILLUM;
 }
 
-/* Loads or copies of 4 bytes each, or of a fixed-point value. */
+/* Loads or copies of 4 bytes each, or of a fixed-point value. Of three results some may be dead. */
 static void add_move(struct pricing *p, const struct ir_node *node, int block,
                      enum shader_stream stream, int count) {
-    const struct ir_variable *to = node->results[0] ? node->results[0] : node->array;
+    const struct ir_variable *to = node->array;
+    for (int i = 2; i >= 0; i--)
+        to = node->results[i] ? node->results[i] : to;
     if (to->type != IR_FIXED) {
         add(p, block, stream, SIMD_FLOAT_MOVE, count);
         return;
