@@ -27,7 +27,7 @@ double budget_bytes_per_sample(const struct budget *budget);
 
 /* A change that was solved. */
 struct budget_suggestion {
-    char change[256];
+    char change[512];
     int64_t time_ps; /* of a frame, on average */
     bool meets;
     double cost; /* to rank by: changes of the scene before more hardware, little before much */

@@ -223,34 +223,54 @@ static bool enlarge_until_met(struct search *search, struct what_if *question) {
     return false;
 }
 
-/* Several kinds of hardware together: enlarged where it binds, then cut back one after the other as
- * far as the target allows. */
-static void suggest_together(struct search *search) {
-    struct what_if question = *search->base;
+static void append_part(char *change, size_t size, const char *part) {
+    const size_t used = strlen(change);
+    snprintf(change + used, size - used, "%s%s", used ? ", " : "", part);
+}
+
+/* Cuts one kind of hardware back as far as the target allows; what is left of it goes into the
+ * change. Returns its cost. */
+static double cut_back(struct search *search, struct what_if *question, enum knob knob,
+                       char *change, size_t size) {
     struct what_if_result result;
-    char change[256] = "";
+    const int64_t before = knob_get(search->base, knob), now = knob_get(question, knob);
+    if (now == before)
+        return 0;
+    struct what_if without = *question;
+    int64_t value = before;
+    if (!knob_set(&without, knob, before) || !meets(search, &without, &result))
+        value = least_that_meets(search, question, knob, before, now);
+    knob_set(question, knob, value);
+    if (value == before)
+        return 0;
+    char part[96];
+    describe_knob(search->base, knob, value, part, sizeof part);
+    append_part(change, size, part);
+    return knob_cost(search->base, knob, value);
+}
+
+static const char fast_functions[] = "fast versions of the mathematical functions",
+                  by_cost[] = "regions to shading nodes by cost";
+
+/* Several changes together: hardware enlarged where it binds, then cut back one after the other as
+ * far as the target allows; `with_options`: besides what costs no hardware. */
+static void suggest_together(struct search *search, bool with_options) {
+    struct what_if question = *search->base;
+    char change[512] = "";
     double cost = COST_HARDWARE;
-    if (!enlarge_until_met(search, &question))
-        return;
-    for (int knob = 0; knob < KNOB_COUNT; knob++) {
-        const int64_t before = knob_get(search->base, (enum knob)knob),
-                      now = knob_get(&question, (enum knob)knob);
-        if (now == before)
-            continue;
-        struct what_if without = question;
-        int64_t value = before;
-        if (!knob_set(&without, (enum knob)knob, before) || !meets(search, &without, &result))
-            value = least_that_meets(search, &question, (enum knob)knob, before, now);
-        knob_set(&question, (enum knob)knob, value);
-        if (value == before)
-            continue;
-        char part[96];
-        describe_knob(search->base, (enum knob)knob, value, part, sizeof part);
-        const size_t used = strlen(change);
-        snprintf(change + used, sizeof change - used, "%s%s", used ? ", " : "", part);
-        cost += knob_cost(search->base, (enum knob)knob, value);
+    if (with_options && question.math != WHAT_IF_MATH_FAST) {
+        question.math = WHAT_IF_MATH_FAST;
+        append_part(change, sizeof change, fast_functions);
     }
-    if (strchr(change, ','))
+    if (with_options && question.assignment != WHAT_IF_BY_COST) {
+        question.assignment = WHAT_IF_BY_COST;
+        append_part(change, sizeof change, by_cost);
+    }
+    if ((with_options && !change[0]) || !enlarge_until_met(search, &question))
+        return;
+    for (int knob = 0; knob < KNOB_COUNT; knob++)
+        cost += cut_back(search, &question, (enum knob)knob, change, sizeof change);
+    if (strchr(change, ',') && cost > COST_HARDWARE)
         suggest(search, &question, cost, change);
 }
 
@@ -325,10 +345,10 @@ static void suggest_options(struct search *search) {
     struct what_if question = *search->base;
     char change[96];
     question.math = WHAT_IF_MATH_FAST;
-    suggest(search, &question, COST_SOFTWARE, "fast versions of the mathematical functions");
+    suggest(search, &question, COST_SOFTWARE, fast_functions);
     question = *search->base;
     question.assignment = WHAT_IF_BY_COST;
-    suggest(search, &question, COST_SOFTWARE + 1, "regions to shading nodes by cost");
+    suggest(search, &question, COST_SOFTWARE + 1, by_cost);
     question = *search->base;
     int64_t values[MACHINE_VALUE_COUNT];
     machine_to_values(&question.machine, values);
@@ -358,7 +378,8 @@ struct budget_suggestion *budget_suggest(struct what_if_solver *solver,
     suggest_binds(&search);
     for (int knob = 0; knob < KNOB_COUNT; knob++)
         suggest_knob(&search, (enum knob)knob);
-    suggest_together(&search);
+    suggest_together(&search, false);
+    suggest_together(&search, true);
     if (search.count)
         qsort(search.list, search.count, sizeof *search.list, compare_suggestions);
     *count = search.count;
