@@ -40,6 +40,7 @@ int64_t machine_value(const struct machine *machine, int index) {
 }
 
 static bool derive_ticks(struct machine *machine, struct status *status) {
+    enum { PARAMETERS = 6 }; /* that are durations, before the operations */
     struct tick_rate rate = {1};
     const uint64_t word = (uint64_t)machine->composition_word_bytes;
     const uint64_t geometry_word = (uint64_t)machine->geometry_word_bytes;
@@ -48,17 +49,18 @@ static bool derive_ticks(struct machine *machine, struct status *status) {
     struct {
         uint64_t numerator, denominator;
         ticks *target;
-    } durations[5 + SIMD_OPERATION_COUNT] = {
+    } durations[PARAMETERS + SIMD_OPERATION_COUNT] = {
         {word, composition_rate, &machine->composition_word},
         {geometry_word, geometry_rate, &machine->geometry_word},
         {(uint64_t)machine->composition_hop_latency_ps, PS_PER_S, &machine->composition_hop},
         {(uint64_t)machine->raster_triangle_ps, PS_PER_S, &machine->raster_triangle},
         {(uint64_t)machine->raster_region_ps, PS_PER_S, &machine->raster_region},
+        {(uint64_t)machine->shading_region_ps, PS_PER_S, &machine->shading_region},
     };
     for (int i = 0; i < SIMD_OPERATION_COUNT; i++) {
-        durations[5 + i].numerator = (uint64_t)machine->operation_ps[i];
-        durations[5 + i].denominator = PS_PER_S;
-        durations[5 + i].target = &machine->operation[i];
+        durations[PARAMETERS + i].numerator = (uint64_t)machine->operation_ps[i];
+        durations[PARAMETERS + i].denominator = PS_PER_S;
+        durations[PARAMETERS + i].target = &machine->operation[i];
     }
     for (size_t i = 0; i < sizeof durations / sizeof *durations; i++)
         if (durations[i].numerator &&

@@ -23,7 +23,7 @@ struct machine {
     ticks composition_word; /* one word over one composition link */
     ticks composition_hop;
     ticks geometry_word;
-    ticks raster_triangle, raster_region;
+    ticks raster_triangle, raster_region, shading_region;
     ticks operation[SIMD_OPERATION_COUNT];
 };
 

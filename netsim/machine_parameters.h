@@ -26,6 +26,8 @@
     X(geometry_frame_buffers, "frames", 1, 64, "frames a node holds while another is composed")    \
     X(raster_triangle_ps, "ps", 0, 1000000000000, "a triangle in a region, on a rendering node")   \
     X(raster_region_ps, "ps", 0, 1000000000000, "begin of a region that holds any triangle")       \
+    X(shading_region_ps, "ps", 0, 1000000000000,                                                   \
+      "begin of a region on a shading node, whatever its shaders")                                 \
     X(target_frames_per_s, "frames/s", 1, 100000, "rate that budgets aim at")
 
 #endif

@@ -298,7 +298,7 @@ static ticks work_of(const struct record_frame *frame, const struct record_work 
 
 static ticks shading_of(const struct record_frame *frame, const struct record_region *region,
                         const struct what_if *question, const struct prices *prices) {
-    ticks total = 0;
+    ticks total = region->work_count ? question->machine.shading_region : 0;
     for (uint32_t w = 0; w < region->work_count; w++) {
         const struct record_work *work = &frame->works[region->first_work + w];
         if (work->shader != RECORD_SHARED || !(question->maps & WHAT_IF_MAPS_POSITION))

@@ -151,7 +151,7 @@ struct shading_work {
     uint64_t streams[SHADER_STREAM_COUNT];     /* the same, summed by stream */
 };
 enum { SHADING_WORK_SHARED = 0x10000 }; /* position reconstruction; plus 1 + l for light l */
-/* What `count` entries take on the machine's array; TICKS_MAX past 63 bits. */
+/* What a region of these entries takes on the machine's array; TICKS_MAX past 63 bits. */
 ticks shading_work_price(const struct machine *machine, const struct shading_work *work,
                          uint32_t count);
 /* Sums over the samples of a region, as composed and as they came to the shading node: more of them

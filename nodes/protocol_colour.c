@@ -109,7 +109,7 @@ bool colour_open(const struct message *message, uint32_t region_samples, uint32_
 
 ticks shading_work_price(const struct machine *machine, const struct shading_work *work,
                          uint32_t count) {
-    ticks total = 0;
+    ticks total = count ? machine->shading_region : 0;
     for (uint32_t i = 0; i < count; i++)
         for (int operation = 0; operation < SIMD_OPERATION_COUNT; operation++)
             total = ticks_add(total, work[i].operations[operation] > INT64_MAX

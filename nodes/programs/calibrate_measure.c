@@ -35,6 +35,8 @@ static double median(double *values, size_t count) {
 /* ---- whole frames ---- */
 
 enum { NODES = 4, FRAMES = 3, SAMPLES_MAX = 4096 };
+/* How finely a sphere is diced: triangles of some eight samples, as those of the sample scenes. */
+#define CHORD_PIXELS 0.35
 
 /* Four nodes, and how long each step that handles a region took. */
 struct bench_cluster {
@@ -142,6 +144,7 @@ bool calibrate_render(const char *folder, const char *scene, const struct machin
                                          .machine = *machine,
                                          .shader_folders = &folder,
                                          .shader_folder_count = 1,
+                                         .reading = {.chord_pixels = CHORD_PIXELS},
                                          .frames = FRAMES,
                                          .seed = 1};
     struct visibility_device *device = NULL;

@@ -184,18 +184,22 @@ def test_every_combination_is_answered_alike_in_json_and_csv():
 
 
 def test_a_prediction_holds_at_the_edges_of_sizes():
-    """Regions of 8x8 and 512x512 samples, a picture of one pixel, a shader of 999 parameters on a polygon that has P besides: the
+    """A machine that takes a while to begin shading, regions of 8x8 and 512x512 samples, a picture of one pixel, a shader of 999 parameters on a polygon that has P besides: the
     most a request may have."""
     with Folder() as folder:
         with open(os.path.join(SOURCE, "machines", "pixelflow.json")) as text:
             machine = json.load(text)
         for width, height, side in ((1, 1, 8), (150, 90, 8), (150, 90, 512), (1, 300, 512)):
             machine["parameters"]["region_width"]["value"] = machine["parameters"]["region_height"]["value"] = side
+            machine["parameters"]["shading_region_ps"]["value"] = 7000000
             path = folder.write("m%d.json" % side, json.dumps(machine))
             options = (BOWLING, *IN_PROCESS, "--format", "%dx%d" % (width, height), "--machine", path)
             live = folder.render(*options, "-r", 3, "-s", 2, "--record", folder.file("edge.rec"))
             answer = analyse(folder, "predict", folder.file("edge.rec"), "-r", 3, "-s", 2)
             assert times(answer["combinations"][0]["frames"]) == times(live["frames"]), (width, height, side)
+            free = analyse(folder, "predict", folder.file("edge.rec"), "-r", 3, "-s", 1, "--shading-region-ps", "0,7000000")
+            busy = [c["frames"][0]["shading_busy_ps"] for c in free["combinations"]]
+            assert busy[1] - busy[0] == 7000000 * live["frames"][0]["regions_covered"]
         names = ["p%d" % i for i in range(999)]
         folder.write("many.sl", "surface many(%s) { Ci = %s; Oi = 1; }\n" % (
             "; ".join("varying float %s = 0" % name for name in names), " + ".join(names)))

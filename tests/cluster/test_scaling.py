@@ -112,7 +112,7 @@ def test_table_csv_and_plot_say_the_same():
 
 def test_what_cannot_be_is_refused():
     with Folder() as folder:
-        for arguments in (["-r", "0"], ["-s", "x"], ["--live", "129"], ["--composition", "star"], ["--nonsense", "1"],
+        for arguments in (["-r", "0"], ["-s", "x"], ["--live", "129"], ["--assignment", "by-cost"], ["--composition", "star"], ["--nonsense", "1"],
                           ["--state"], [BOWLING]):
             err = scale(folder, BOWLING, *arguments, status=1)
             assert err.startswith("sortlast: "), err
