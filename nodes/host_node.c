@@ -438,6 +438,19 @@ static bool start(struct host_node *self, struct node_outputs *outputs, struct s
     return ok;
 }
 
+/* Once all frames are sent: fast calls of shaders that none of them has. */
+static void warn_of_unused_calls(struct host_node *self) {
+    const struct fast_calls *calls = &self->options.precision.fast_calls;
+    for (int i = 0; i < calls->count; i++) {
+        char text[256];
+        if (shader_library_has(self->library, calls->list[i].shader))
+            continue;
+        snprintf(text, sizeof text, "--fast-calls: the frames have no shader \"%.100s\"",
+                 calls->list[i].shader);
+        add_warning(self, text);
+    }
+}
+
 /* The number of a frame under way, from its index. */
 static int number_under_way(const struct host_node *self, uint32_t frame) {
     return self->numbers[frame % HOST_FRAMES_UNDER_WAY];
@@ -537,6 +550,7 @@ static bool host_node_step(struct node *node, const struct node_event *event,
     if (ok && !self->is_over && !wants_more(self) && self->frames_done == self->next_frame &&
         (!self->recorder || run_recorder_is_complete(self->recorder))) {
         self->is_over = node->is_closing = true;
+        warn_of_unused_calls(self);
         broadcast(self, signal_encode(WIRE_QUIT, 0, 0, node_address_pack(node->address)), outputs);
     }
     return ok;

@@ -313,6 +313,14 @@ bool shader_library_compile(struct shader_library *library, const struct shader_
     return compile(library, wanted, extra, wanted->material, &nowhere, program, status);
 }
 
+bool shader_library_has(const struct shader_library *library, const char *name) {
+    for (size_t i = 0; i < library->count; i++)
+        for (int n = 0; n < 3; n++)
+            if (library->entries[i]->names[n] && !strcmp(library->entries[i]->names[n], name))
+                return true;
+    return false;
+}
+
 uint32_t shader_library_count(const struct shader_library *library) {
     return (uint32_t)library->count;
 }

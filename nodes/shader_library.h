@@ -60,6 +60,8 @@ bool shader_library_variant(struct shader_library *library, const struct shader_
 bool shader_library_compile(struct shader_library *library, const struct shader_wanted *wanted,
                             const struct shader_compile_options *extra,
                             struct shader_program **program, struct status *status);
+/* Whether a shader of this name was compiled, as a companion of another too. */
+bool shader_library_has(const struct shader_library *library, const char *name);
 uint32_t shader_library_count(const struct shader_library *library);
 const struct shader_variant *shader_library_at(const struct shader_library *library,
                                                uint32_t number);

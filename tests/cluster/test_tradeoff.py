@@ -208,9 +208,22 @@ def test_one_call_of_a_shader_is_fast_and_the_other_exact():
         shader, all_fast = render("shader", "--fast-shaders", "marble")
         both, one_by_one = render("both", "--fast-calls", ",".join(places))
         assert one_by_one == all_fast and both["frames"][0]["time_ps"] == shader["frames"][0]["time_ps"]
-        one, _ = render("one", "--fast-calls", places[0])
+        record = folder.file("one.record")
+        one, picture = render("one", "--fast-calls", places[0], "--record", record)
         assert shader["frames"][0]["time_ps"] < one["frames"][0]["time_ps"] < exact["frames"][0]["time_ps"]
         assert [c["math"] for c in one["calls"] if c["shader"] == "marble"] == ["fast", "exact"]
+        # a cluster of processes draws the same, and a record of the run answers for all functions exact or fast
+        folder.render(scene, "-r", "2", "-s", "2", "--fast-calls", places[0], "-o", folder.file("cluster.exr"),
+                      "--compression", "none")
+        assert harness.read_exr(folder.file("cluster.exr")) == picture
+        fast, _ = render("fast", "--math", "fast")
+        for math, run in [("exact", exact), ("recorded", one), ("fast", fast)]:
+            code, out, err = folder.run("predict", record, "--math", math, "--json", "-", "-q")
+            assert code == 0, err
+            assert json.loads(out)["combinations"][0]["time_ps"] == run["frames"][0]["time_ps"], math
+        other, _ = render("other", "--fast-calls", "nobody:1:1")
+        assert other["frames"][0]["time_ps"] == exact["frames"][0]["time_ps"]
+        assert any('no shader "nobody"' in w for w in other["warnings"]), other
         for bad, words in [("marble:1:2", "marble has: sin at 30:30, pow at 45:18"), ("marble:30", "SHADER:LINE:COLUMN"),
                            ("30:30", "SHADER:LINE:COLUMN"), ("marble:0:1", "SHADER:LINE:COLUMN")]:
             code, out, err = folder.run("render", scene, "--fast-calls", bad)
