@@ -51,6 +51,17 @@ static void use_instance(const struct message *message) {
     sink += instance_payload_bound_bytes(&payload);
 }
 
+static void use_frame(const struct frame_payload *frame) {
+    const struct machine machine = {.region_width = 128, .region_height = 64};
+    enum { SHADING_NODES = 3 };
+    sink += strlen(frame->image_path);
+    if (!region_grid_check(frame, &machine, SHADING_NODES, NULL))
+        return;
+    for (uint32_t k = 0; k < frame->assigned_count; k++)
+        if (frame_payload_shading_node(frame, k, SHADING_NODES) >= SHADING_NODES)
+            abort(); /* whoever indexes nodes by it relies on that */
+}
+
 static void use(enum wire_kind kind, const struct message *message) {
     struct configuration configuration;
     struct shader_payload shader;
@@ -72,7 +83,8 @@ static void use(enum wire_kind kind, const struct message *message) {
             sink += strlen(shader.c_source) + strlen(shader.name);
         break;
     case WIRE_FRAME_BEGIN:
-        frame_payload_decode(message, &frame, NULL);
+        if (frame_payload_decode(message, &frame, NULL))
+            use_frame(&frame);
         break;
     case WIRE_INSTANCE:
     case WIRE_LIGHT:

@@ -86,6 +86,19 @@ static struct message *sample_record(void) {
     return frame_record_encode(&record, 0);
 }
 
+/* Four regions of 128 x 64 samples, assigned. */
+static struct message *sample_frame(void) {
+    static const uint16_t assigned[] = {2, 0, 0, 1};
+    const struct frame_payload frame = {.width = 200,
+                                        .height = 100,
+                                        .samples_x = 1,
+                                        .samples_y = 1,
+                                        .assigned_count = 4,
+                                        .assigned = assigned,
+                                        .image_path = "x.exr"};
+    return frame_payload_encode(&frame, 0);
+}
+
 static struct message *sample_chunk_work(void) {
     static const struct chunk_work work[] = {{0, 3, 12, 1}, {0, 4, 1, 0}, {2, 3, 7, 1}};
     return chunk_work_encode(work, 3, 1, 2);
@@ -155,7 +168,7 @@ static void what_is_encoded_is_decoded(void **state) {
 typedef struct message *maker(void);
 static maker *const makers[] = {sample_region,     sample_colour,        sample_instance,
                                 sample_chunk,      sample_configuration, sample_record,
-                                sample_chunk_work, sample_region_costs};
+                                sample_chunk_work, sample_region_costs,  sample_frame};
 
 static void a_flipped_bit_is_noticed_by_who_takes_the_message_apart(void **state) {
     (void)state;
@@ -184,7 +197,7 @@ static void damaged_payloads_under_good_checksums_do_no_harm(void **state) {
     struct rng rng = {6};
     static const enum wire_kind kinds[] = {WIRE_REGION,     WIRE_COLOUR,        WIRE_INSTANCE,
                                            WIRE_CHUNK,      WIRE_CONFIGURATION, WIRE_FRAME_DONE,
-                                           WIRE_CHUNK_WORK, WIRE_REGION_COSTS};
+                                           WIRE_CHUNK_WORK, WIRE_REGION_COSTS,  WIRE_FRAME_BEGIN};
     for (size_t m = 0; m < sizeof makers / sizeof *makers; m++) {
         struct message *message = makers[m]();
         const size_t length = message->length - WIRE_HEADER_BYTES;
@@ -201,6 +214,23 @@ static void damaged_payloads_under_good_checksums_do_no_harm(void **state) {
         free(input);
         message_release(message);
     }
+}
+
+static void a_frame_assigns_its_regions_to_nodes_that_are_there(void **state) {
+    (void)state;
+    const struct machine machine = {.region_width = 128, .region_height = 64};
+    struct message *message = sample_frame();
+    struct frame_payload frame;
+    assert_true(frame_payload_decode(message, &frame, NULL));
+    assert_true(region_grid_check(&frame, &machine, 3, NULL));
+    assert_int_equal(frame_payload_shading_node(&frame, 3, 3), 1);
+    assert_false(region_grid_check(&frame, &machine, 2, NULL));
+    frame.assigned_count = 3;
+    assert_false(region_grid_check(&frame, &machine, 3, NULL));
+    frame.assigned_count = 0;
+    assert_true(region_grid_check(&frame, &machine, 2, NULL));
+    assert_int_equal(frame_payload_shading_node(&frame, 3, 2), 1);
+    message_release(message);
 }
 
 static void messages_of_another_build_are_named(void **state) {
@@ -224,6 +254,7 @@ int main(void) {
         cmocka_unit_test(what_is_encoded_is_decoded),
         cmocka_unit_test(a_flipped_bit_is_noticed_by_who_takes_the_message_apart),
         cmocka_unit_test(damaged_payloads_under_good_checksums_do_no_harm),
+        cmocka_unit_test(a_frame_assigns_its_regions_to_nodes_that_are_there),
         cmocka_unit_test(messages_of_another_build_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
