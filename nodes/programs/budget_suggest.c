@@ -253,20 +253,23 @@ static const char fast_functions[] = "fast versions of the mathematical function
                   by_cost[] = "regions to shading nodes by cost";
 
 /* Several changes together: hardware enlarged where it binds, then cut back one after the other as
- * far as the target allows; `with_options`: besides what costs no hardware. */
-static void suggest_together(struct search *search, bool with_options) {
+ * far as the target allows; besides, when asked for, what costs no hardware. */
+static void suggest_together(struct search *search, bool with_fast, bool with_assignment) {
     struct what_if question = *search->base;
     char change[512] = "";
     double cost = COST_HARDWARE;
-    if (with_options && question.math != WHAT_IF_MATH_FAST) {
+    if ((with_fast && question.math == WHAT_IF_MATH_FAST) ||
+        (with_assignment && question.assignment == WHAT_IF_BY_COST))
+        return; /* it is there already */
+    if (with_fast) {
         question.math = WHAT_IF_MATH_FAST;
         append_part(change, sizeof change, fast_functions);
     }
-    if (with_options && question.assignment != WHAT_IF_BY_COST) {
+    if (with_assignment) {
         question.assignment = WHAT_IF_BY_COST;
         append_part(change, sizeof change, by_cost);
     }
-    if ((with_options && !change[0]) || !enlarge_until_met(search, &question))
+    if (!enlarge_until_met(search, &question))
         return;
     for (int knob = 0; knob < KNOB_COUNT; knob++)
         cost += cut_back(search, &question, (enum knob)knob, change, sizeof change);
@@ -378,8 +381,8 @@ struct budget_suggestion *budget_suggest(struct what_if_solver *solver,
     suggest_binds(&search);
     for (int knob = 0; knob < KNOB_COUNT; knob++)
         suggest_knob(&search, (enum knob)knob);
-    suggest_together(&search, false);
-    suggest_together(&search, true);
+    for (int options = 0; options < 4; options++)
+        suggest_together(&search, options & 1, options & 2);
     if (search.count)
         qsort(search.list, search.count, sizeof *search.list, compare_suggestions);
     *count = search.count;
