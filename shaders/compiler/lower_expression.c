@@ -308,7 +308,9 @@ static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_assignment(struct lowering *
     if (!right.array_length)
         right = widen(&right, e->type);
     lower_target_write(l, &target, &right);
-    return right;
+    /* components on the right may have been those of the target, as in c = color (1, xcomp(c), 0)
+     */
+    return target.is_element ? right : target.whole;
 }
 
 static struct ir_value lower_any(struct lowering *l, struct ast_expression *e) {

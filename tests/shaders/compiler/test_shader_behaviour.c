@@ -438,6 +438,15 @@ static void arguments_choose_an_overload_before_the_context_does(void **state) {
     assert_true(result.color[0][9] == 1 && result.color[2][9] == -1);
 }
 
+static void the_value_of_an_assignment_is_what_was_assigned(void **state) {
+    struct harness_result result;
+    run("surface a() { color c = 7; Ci = (c = color (s, xcomp(c), ycomp(c)));\n"
+        "  float x = 1; float y = (x = s) + (x = 2 * s) + x; Ci += y; }",
+        NULL, NULL, 0, &result);
+    assert_true(result.color[0][3] == 3 + 15 && result.color[1][3] == 7 + 15);
+    assert_true(result.color[2][3] == 7 + 15);
+}
+
 static void the_first_of_three_results_may_be_dead(void **state) {
     struct harness_result result;
     run("surface a() { color c = 0; if (s > 3) c = color noise(0.5); Ci = ycomp(c); }", NULL, NULL,
@@ -473,6 +482,7 @@ int main(void) {
         cmocka_unit_test(variables_start_at_zero),
         cmocka_unit_test(what_comes_before_and_after_a_return_stays_uniform),
         cmocka_unit_test(arguments_choose_an_overload_before_the_context_does),
+        cmocka_unit_test(the_value_of_an_assignment_is_what_was_assigned),
         cmocka_unit_test(the_first_of_three_results_may_be_dead),
         cmocka_unit_test(conversions_from_float_stop_at_the_ends_of_their_own_format),
     };
