@@ -98,6 +98,7 @@ SIMD_INLINE void vi_corner_hashes(vi i, vi j, vi k, vi h[4]) {
     __builtin_memcpy(cell[0], &i, sizeof i);
     __builtin_memcpy(cell[1], &j, sizeof j);
     __builtin_memcpy(cell[2], &k, sizeof k);
+#pragma GCC unroll 16
     for (int lane = 0; lane < SHADER_WIDTH; lane++) {
         uint32_t first = simd_permute_pair(cell[0][lane]);
         uint32_t a = simd_permute_pair(first + cell[1][lane]);
@@ -114,12 +115,34 @@ SIMD_INLINE void vi_corner_hashes(vi i, vi j, vi k, vi h[4]) {
 
 /* ---- cells, weights, gradients ---- */
 
-/* Splits x into its lattice cell modulo 256 and the fraction (NaN for infinities). */
+/* Whole numbers towards zero; beyond 32 bits and for NaN INT32_MIN, as the processor does it. */
+#if defined(SHADER_REFERENCE) || !defined(__SSE2__)
+#elif SHADER_WIDTH == 4
+#define SIMD_TRUNCATE(x) (vi) __builtin_ia32_cvttps2dq(x)
+#elif SHADER_WIDTH == 8 && defined(__AVX__)
+#define SIMD_TRUNCATE(x) (vi) __builtin_ia32_cvttps2dq256(x)
+#elif SHADER_WIDTH == 16 && defined(__AVX512F__)
+#define SIMD_TRUNCATE(x) (vi) __builtin_ia32_cvttps2dq512_mask(x, vi_set(0), (short)-1, 4)
+#endif
+
+/* Splits x into its lattice cell modulo 256 and the fraction (NaN for infinities). From 2^31 on all
+ * numbers are multiples of 256. */
 SIMD_INLINE vf vf_cell(vf x, vi *cell) {
+#if defined(SIMD_TRUNCATE) && !defined(SIMD_ROUND)
+    vi whole = SIMD_TRUNCATE(x), is_small = (vi)(vf_abs(x) < 0x1p31f);
+    vf near = __builtin_convertvector(whole, vf);
+    vi is_above = (vi)(near > x) & is_small;
+    *cell = (whole + is_above) & 255;
+    vf down = vf_select(is_small, near - (vf)(is_above & (vi)vf_set(1.0f)), x);
+#elif defined(SIMD_TRUNCATE)
+    vf down = vf_floor(x);
+    *cell = SIMD_TRUNCATE(down) & 255;
+#else
     vf down = vf_floor(x);
     vf wrapped = down - 256.0f * vf_floor(down * 0x1p-8f);
     wrapped = (vf)((vi)wrapped & (vi)(wrapped < 256.0f)); /* NaN: cell 0 */
     *cell = __builtin_convertvector(wrapped, vi);
+#endif
     return x - down;
 }
 

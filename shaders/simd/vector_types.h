@@ -189,19 +189,34 @@ SIMD_INLINE vf vf_max(vf a, vf b) {
 }
 
 /* The nearest integers below, above, and nearest with halves away from zero. Exact; the sign of
- * zero is kept (ceil(-0.5) is -0); infinities are kept. */
+ * zero is kept (ceil(-0.5) is -0); infinities are kept. SIMD_ROUND: where an instruction does it.
+ */
+#if defined(__AVX__) && SHADER_WIDTH == 8
+#define SIMD_ROUND(x, direction) __builtin_ia32_roundps256(x, direction)
+#elif defined(__AVX512F__) && SHADER_WIDTH == 16
+#define SIMD_ROUND(x, direction) __builtin_ia32_rndscaleps_mask(x, direction, x, (short)-1, 4)
+#endif
+
 SIMD_INLINE vf vf_floor(vf x) {
+#ifdef SIMD_ROUND
+    return SIMD_ROUND(x, 1);
+#else
     vf size = vf_abs(x);
     vf nearest = vf_with_sign((size + 0x1p23f) - 0x1p23f, x);
     vf down = nearest - (vf)((vi)(nearest > x) & (vi)vf_set(1.0f));
     return vf_select((vi)(size < 0x1p23f), down, x + 0.0f);
+#endif
 }
 
 SIMD_INLINE vf vf_ceil(vf x) {
+#ifdef SIMD_ROUND
+    return SIMD_ROUND(x, 2);
+#else
     vf size = vf_abs(x);
     vf nearest = vf_with_sign((size + 0x1p23f) - 0x1p23f, x);
     vf up = nearest + (vf)((vi)(nearest < x) & (vi)vf_set(1.0f));
     return vf_select((vi)(size < 0x1p23f), vf_with_sign(up, x), x + 0.0f);
+#endif
 }
 
 SIMD_INLINE vf vf_round(vf x) {
