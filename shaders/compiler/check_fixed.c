@@ -104,11 +104,13 @@ enum ast_type fixed_call_type(enum builtin_id id, const enum ast_type *types, in
 }
 
 /* Arrays as wholes: initial values and assignments copy element by element; a triple is an array of
- * three. */
+ * three. How long a parameter of any length is shows where the function is called: lower_array.c.
+ */
 bool check_array_fits(const struct ast_expression *from, const struct ast_symbol *to) {
     const bool is_numeric = to->type == TYPE_FLOAT || ast_type_is_fixed(to->type);
     if (from->array_length)
-        return from->array_length == to->array_length &&
+        return (from->array_length == to->array_length || from->array_length < 0 ||
+                to->array_length < 0) &&
                ast_conversion_cost(from->type, to->type) >= 0;
     return is_numeric && to->array_length == 3 && ast_type_is_triple(from->type);
 }

@@ -148,9 +148,11 @@ struct ir_operand lower_fixed_convert(struct lowering *l, const struct source_lo
 /* A standard function whose arguments are fixed-point. */
 struct ir_operand lower_fixed_call(struct lowering *l, const struct ast_expression *e,
                                    const struct ir_operand *a, int count);
+static inline int lower_array_elements(enum ast_type type, const struct ir_value *array) {
+    return array->array_length / (type == TYPE_MATRIX ? 16 : 1);
+}
 /* Copies an array of `length` elements, or a triple into an array of three, converting the
- * elements.
- */
+ * elements; complains when the array copied from has another length. */
 void lower_array_convert(struct lowering *l, const struct source_location *at, enum ast_type type,
                          const struct ir_value *to, int length, enum ast_type from_type,
                          const struct ir_value *from);

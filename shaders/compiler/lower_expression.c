@@ -286,8 +286,8 @@ static LOWER_FRAME_OF_ITS_OWN struct ir_value lower_assignment(struct lowering *
     if (e->left->array_length) {
         struct ir_value to = *lower_symbol(l, e->left->symbol, &e->left->at);
         struct ir_value from = lower_expression(l, e->right);
-        lower_array_convert(l, &e->at, e->left->type, &to, e->left->array_length, e->right->type,
-                            &from);
+        lower_array_convert(l, &e->at, e->left->type, &to, lower_array_elements(e->left->type, &to),
+                            e->right->type, &from);
         return (struct ir_value){0};
     }
     bool is_element = e->left->kind == EXPRESSION_INDEX;

@@ -135,6 +135,11 @@ struct ir_operand lower_fixed_call(struct lowering *l, const struct ast_expressi
 void lower_array_convert(struct lowering *l, const struct source_location *at, enum ast_type type,
                          const struct ir_value *to, int length, enum ast_type from_type,
                          const struct ir_value *from) {
+    if (from->array_length && lower_array_elements(from_type, from) != length) {
+        compile_error(l->c, lower_at(l, at), "an array of %d cannot be copied from one of %d",
+                      length, lower_array_elements(from_type, from));
+        return;
+    }
     for (int element = 0; element < length; element++) {
         struct ir_value one = {.count = 1, .part = {from->part[element % 3]}};
         if (!ast_type_is_triple(from_type) || from->array_length)

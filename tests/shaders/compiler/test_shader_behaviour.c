@@ -438,6 +438,21 @@ static void arguments_choose_an_overload_before_the_context_does(void **state) {
     assert_true(result.color[0][9] == 1 && result.color[2][9] == -1);
 }
 
+static void parameters_of_any_length_are_assigned_as_wholes(void **state) {
+    struct harness_result result;
+    struct status status = {0};
+    run("void f(output float a[]; color b[]; output color c[]) { float d[2] = a; a[1] = d[0]; c = "
+        "b; }\n"
+        "surface a() { float x[2] = {s, 4}; color y[1] = {color (5, 6, 7)}, z[1]; f(x, y, z);\n"
+        "  Ci = z[0] + color (x[1], 0, 0); }",
+        NULL, NULL, 0, &result);
+    assert_true(result.color[0][3] == 5 + 3 && result.color[1][3] == 6);
+    assert_null(harness_compile("void f(output float a[]; float b[]) { a = b; }\n"
+                                "surface a() { float x[2], y[3]; f(x, y); Ci = x[0]; }",
+                                NULL, &status));
+    assert_non_null(strstr(status.message, "an array of 2 cannot be copied from one of 3"));
+}
+
 static void the_value_of_an_assignment_is_what_was_assigned(void **state) {
     struct harness_result result;
     run("surface a() { color c = 7; Ci = (c = color (s, xcomp(c), ycomp(c)));\n"
@@ -482,6 +497,7 @@ int main(void) {
         cmocka_unit_test(variables_start_at_zero),
         cmocka_unit_test(what_comes_before_and_after_a_return_stays_uniform),
         cmocka_unit_test(arguments_choose_an_overload_before_the_context_does),
+        cmocka_unit_test(parameters_of_any_length_are_assigned_as_wholes),
         cmocka_unit_test(the_value_of_an_assignment_is_what_was_assigned),
         cmocka_unit_test(the_first_of_three_results_may_be_dead),
         cmocka_unit_test(conversions_from_float_stop_at_the_ends_of_their_own_format),
