@@ -2,6 +2,7 @@
 #include "nodes/programs/shader_command.h"
 
 #include "nodes/programs/json_output.h"
+#include "nodes/programs/program_process.h"
 #include "nodes/programs/render_options.h"
 
 #include <errno.h>
@@ -15,9 +16,12 @@ struct shader_options {
     struct shader_study_options study;
     const char *definitions[LIST_MAX], *material[LIST_MAX], *lights[LIST_MAX], *folders[LIST_MAX];
     const char *machine, *json, *svg, *output, *fast_calls;
+    const char *fix_scene; /* NULL: no conversion to fixed-point */
+    double max_error, outliers;
+    int frames, memory_bytes;
     bool renders, writes_png, explains, prints_c;
     int width, height;
-    char machine_file[4096], library[2][4096], own_folder[4096];
+    char machine_file[4096], library[2][4096], own_folder[4096], scene_folder[4096];
 };
 
 static void print_help(void) {
@@ -43,7 +47,16 @@ static void print_help(void) {
         "  --render                   shade a grid facing the eye, s and t from 0 to 1\n"
         "    -o FILE.exr                picture to write (default SHADER.exr)\n"
         "    --png                      and a PNG beside it\n"
-        "    --format WxH               samples, both even (default 512x512)\n\n"
+        "    --format WxH               samples, both even (default 512x512)\n"
+        "  --fix SCENE.rib            make a surface shader fixed-point, as the scene allows\n"
+        "    --max-error E              of the colours of pixels, 1/255 say (default 2/255)\n"
+        "    --outliers SHARE           of the pixels may be further off, where the shader "
+        "decides\n"
+        "                               (floor, if) and the limit is near (default 1e-4)\n"
+        "    --frames N                 of the scene (default 1)\n"
+        "    --memory BYTES             pixel memory it has to fit, instead of the machine's\n"
+        "    -o FILE.sl                 the shader to write (default SHADER_fixed.sl)\n"
+        "    --format WxH               pixels of the pictures (default: those of the scene)\n\n"
         "Passes, in their order (* may be left out):");
     const char *what;
     bool is_optional;
@@ -116,6 +129,11 @@ enum option_key {
     KEY_WITHOUT,
     KEY_C,
     KEY_SOURCE,
+    KEY_FIX,
+    KEY_MAX_ERROR,
+    KEY_OUTLIERS,
+    KEY_FRAMES,
+    KEY_MEMORY,
     KEY_RENDER,
     KEY_PNG,
     KEY_FORMAT,
@@ -137,11 +155,42 @@ static const struct option long_options[] = {{"material", 1, NULL, KEY_MATERIAL}
                                              {"without", 1, NULL, KEY_WITHOUT},
                                              {"c", 0, NULL, KEY_C},
                                              {"source", 0, NULL, KEY_SOURCE},
+                                             {"fix", 1, NULL, KEY_FIX},
+                                             {"max-error", 1, NULL, KEY_MAX_ERROR},
+                                             {"outliers", 1, NULL, KEY_OUTLIERS},
+                                             {"frames", 1, NULL, KEY_FRAMES},
+                                             {"memory", 1, NULL, KEY_MEMORY},
                                              {"render", 0, NULL, KEY_RENDER},
                                              {"png", 0, NULL, KEY_PNG},
                                              {"format", 1, NULL, KEY_FORMAT},
                                              {"help", 0, NULL, 'h'},
                                              {NULL, 0, NULL, 0}};
+
+/* "2/255" or "0.01" */
+static bool parse_error_bound(const char *text, double *bound) {
+    char *end;
+    *bound = strtod(text, &end);
+    if (end != text && *end == '/') {
+        const char *divisor = end + 1;
+        *bound /= strtod(divisor, &end);
+        if (end == divisor)
+            return false;
+    }
+    return end != text && !*end && *bound > 0 && *bound <= 1;
+}
+
+static bool parse_share(const char *text, double *share) {
+    char *end;
+    *share = strtod(text, &end);
+    return end != text && !*end && *share >= 0 && *share <= 0.1;
+}
+
+static bool parse_count(const char *text, int most, int *count) {
+    char *end;
+    const long number = strtol(text, &end, 10);
+    *count = (int)number;
+    return end != text && !*end && number >= 1 && number <= most;
+}
 
 /* Takes one option; returns an exit status, -1 to go on. */
 static int take_option(struct shader_options *o, int key) {
@@ -163,7 +212,7 @@ static int take_option(struct shader_options *o, int key) {
         return add_names(o->lights, &study->light_count, optarg) ? -1
                                                                  : usage("too many lights", "");
     case KEY_SHADERS:
-        if (study->folder_count >= LIST_MAX - 4)
+        if (study->folder_count >= LIST_MAX - 5)
             return usage("too many folders, at ", optarg);
         o->folders[study->folder_count++] = optarg;
         return -1;
@@ -202,6 +251,24 @@ static int take_option(struct shader_options *o, int key) {
         return o->prints_c = true, -1;
     case KEY_SOURCE:
         return o->study.compile.writes_source = true, -1;
+    case KEY_FIX:
+        return o->fix_scene = optarg, -1;
+    case KEY_MAX_ERROR:
+        return parse_error_bound(optarg, &o->max_error)
+                   ? -1
+                   : usage("--max-error is above 0 and at most 1, as 0.01 or 2/255, not ", optarg);
+    case KEY_OUTLIERS:
+        return parse_share(optarg, &o->outliers)
+                   ? -1
+                   : usage("--outliers is from 0 to 0.1, not ", optarg);
+    case KEY_FRAMES:
+        return parse_count(optarg, 1000000, &o->frames)
+                   ? -1
+                   : usage("--frames is a number from 1, not ", optarg);
+    case KEY_MEMORY:
+        return parse_count(optarg, 65536, &o->memory_bytes)
+                   ? -1
+                   : usage("--memory is from 1 to 65536 bytes, not ", optarg);
     case KEY_RENDER:
         return o->renders = true, -1;
     case KEY_PNG:
@@ -214,12 +281,19 @@ static int take_option(struct shader_options *o, int key) {
     }
 }
 
+static void folder_of(const char *path, char folder[4096]) {
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, 4096, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
+}
+
 static void add_folders(struct shader_options *o) {
     char program[3072];
-    const char *slash = strrchr(o->study.path, '/');
-    snprintf(o->own_folder, sizeof o->own_folder, "%.*s", slash ? (int)(slash - o->study.path) : 1,
-             slash ? o->study.path : ".");
+    folder_of(o->study.path, o->own_folder);
     o->folders[o->study.folder_count++] = o->own_folder;
+    if (o->fix_scene) {
+        folder_of(o->fix_scene, o->scene_folder);
+        o->folders[o->study.folder_count++] = o->scene_folder;
+    }
     if (program_folder(program, sizeof program)) {
         snprintf(o->library[0], sizeof o->library[0], "%s/../shaders/library", program);
         snprintf(o->library[1], sizeof o->library[1], "%s/../share/sortlast/shaders", program);
@@ -235,7 +309,8 @@ static void add_folders(struct shader_options *o) {
 
 /* Returns an exit status, -1 to go on. */
 static int parse(int argc, char **argv, struct shader_options *o) {
-    *o = (struct shader_options){.machine = "pixelflow", .width = 512, .height = 512};
+    *o = (struct shader_options){
+        .machine = "pixelflow", .max_error = 2.0 / 255, .outliers = 1e-4, .frames = 1};
     optind = 1;
     for (int key; (key = getopt_long(argc, argv, "D:o:h", long_options, NULL)) >= 0;) {
         const int end = take_option(o, key);
@@ -259,6 +334,30 @@ static char *read_source(const char *path) {
         fclose(file);
     }
     return text;
+}
+
+/* Makes the shader fixed-point as the pictures of a scene allow. */
+static bool fix(const struct shader_options *o, const struct machine *machine,
+                struct status *status) {
+    struct shader_fix_request request = {
+        .fix = {.path = o->study.path, .max_error = o->max_error, .outliers = o->outliers},
+        .rendering = {.scene = o->fix_scene,
+                      .reading = {.width = o->width, .height = o->height},
+                      .machine = *machine,
+                      .shader_folders = o->study.folders,
+                      .shader_folder_count = o->study.folder_count,
+                      .frames = o->frames,
+                      .seed = 1},
+        .output = o->output,
+        .json = o->json};
+    char path[4096];
+    const char *slash = strrchr(o->study.path, '/'), *name = slash ? slash + 1 : o->study.path;
+    snprintf(path, sizeof path, "%.*s_fixed.sl", (int)strcspn(name, "."), name);
+    if (!request.output)
+        request.output = path;
+    if (o->memory_bytes)
+        request.rendering.machine.pixel_memory_bytes = o->memory_bytes;
+    return shader_fix_command(&request, status);
 }
 
 static bool write_picture(const struct shader_options *o, struct shader_study *study,
@@ -361,7 +460,14 @@ int shader_main(int argc, char **argv) {
     if (!machine_find_file(o->machine, o->machine_file, sizeof o->machine_file, &status) ||
         !machine_read_file(o->machine_file, &machine, &status))
         return failure(&status);
-    o->study.compile.pixel_memory_bytes = (int)machine.pixel_memory_bytes;
+    if (o->fix_scene)
+        return fix(o, &machine, &status)  ? 0
+               : status.code == STATUS_OK ? 128 + (int)program_stop
+                                          : failure(&status);
+    o->width = o->width ? o->width : 512;
+    o->height = o->height ? o->height : 512;
+    o->study.compile.pixel_memory_bytes =
+        o->memory_bytes ? o->memory_bytes : (int)machine.pixel_memory_bytes;
     if (o->fast_calls && !fast_calls_parse("--fast-calls", o->fast_calls, o->study.path,
                                            &o->study.fast_calls, &status))
         return failure(&status);

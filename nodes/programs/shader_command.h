@@ -3,6 +3,7 @@
 #define SHADER_COMMAND_H
 
 #include "netsim/machine.h"
+#include "nodes/shader_fix.h"
 #include "nodes/shader_study.h"
 
 #include <cjson/cJSON.h>
@@ -10,6 +11,14 @@
 
 /* The verb `sortlast shader`: what one shader costs the hardware, its picture without a cluster. */
 int shader_main(int argc, char **argv);
+
+/* `sortlast shader --fix` */
+struct shader_fix_request {
+    struct shader_fix_options fix; /* path and max_error; the rest is filled in */
+    struct host_options rendering; /* scene, frames, folders and machine */
+    const char *output, *json;     /* files, "-" is standard output; json NULL: none */
+};
+bool shader_fix_command(struct shader_fix_request *request, struct status *status);
 
 /* What the paper says of a shader of this name (PF tables 1 and 4); 0 where it says nothing.
  * X(name, table 1: ps per region, table 4: total, varying, allocated) */

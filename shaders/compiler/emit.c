@@ -433,6 +433,7 @@ static void emit_table_fields(struct emitter *e) {
         emit_text(e, "    .external_count = %d,\n    .externals = shader_externals,\n",
                   e->external_count);
     emit_text(e, "    .light_sets = %d,\n", ir->light_sets);
+    emit_probe_fields(e);
 }
 
 static void emit_blocks(struct emitter *e) {

@@ -81,6 +81,8 @@ struct piece source_condition(struct source_writer *w, const struct ir_operand *
 struct piece source_instruction_condition(struct source_writer *w, const struct ir_node *node);
 /* An operand as float, whatever it is. */
 struct piece source_float(struct source_writer *w, const struct ir_operand *operand);
+/* Whether the instruction computes a component of L: the direction of a light, turned round. */
+bool source_is_towards_light(struct source_writer *w, const struct ir_node *node);
 /* Whether the definition of the variable is written where the variable is used. */
 bool source_is_inlined(struct source_writer *w, const struct ir_variable *variable);
 /* Component `index` of a parameter or predefined variable. */

@@ -117,8 +117,9 @@ struct analysis {
     struct range *ranges;
 };
 
-/* Twice what was seen, either way. Values that are rounded down may fall a little below a lower
- * bound: what was just above zero may come to lie below, what was zero does not. */
+/* Twice what was seen, either way; of uniform values also half. Values that are rounded down may
+ * fall a little below a lower bound: what was just above zero may come to lie below, what was zero
+ * does not. */
 static struct range narrow(const struct ir_program *ir, int id, struct range range) {
     const struct shader_compile_options *options = ir->c->options;
     if (range.low > 0)
@@ -126,7 +127,10 @@ static struct range narrow(const struct ir_program *ir, int id, struct range ran
     if (id >= options->fixing_count || !options->fixings[id].is_seen)
         return range;
     const struct shader_fixing *seen = &options->fixings[id];
-    double most = 2 * fmax(fabs((double)seen->lowest), fabs((double)seen->highest));
+    const double low = (double)seen->lowest, high = (double)seen->highest;
+    double most = 2 * fmax(fabs(low), fabs(high));
+    if (!ir->variables[id]->is_varying && low * high > 0) /* keeps its sign, may be divided by */
+        return low > 0 ? (struct range){low / 2, most} : (struct range){-most, high / 2};
     if (most == 0)
         most = 1; /* nothing is known of its size */
     return (struct range){fmax(range.low, -most), fmin(range.high, fmax(most, range.low))};

@@ -89,8 +89,8 @@ struct shader_fixing {
 /* A scalar variable of the program. Probes and fixings go by their numbers, which follow from the
  * source and all options but those two. */
 struct shader_variable {
-    const char *name;           /* the user's, "" for a temporary */
-    int line;                   /* that assigns to it */
+    const char *name;           /* in the source, "" when it is written where it is used */
+    int line;                   /* of the original, that assigns to it */
     bool can_be_fixed;          /* a varying float */
     bool is_noise;              /* the result of noise, which fixed-point has in 16 bits */
     struct fixed_format format; /* that it got, or would have with size 0 */

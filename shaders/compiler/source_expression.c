@@ -123,24 +123,36 @@ struct piece source_float(struct source_writer *w, const struct ir_operand *oper
     return piece;
 }
 
-/* How many bits numbers have that meet this result: those of floats in 24, exactly. */
-static int significant(struct fixed_format result) {
-    return result.size < 8 ? 8 : result.size > 24 ? 24 : result.size;
+/* Bits in front of the point of the largest magnitude of a range, negative for small ones. */
+static int magnitude_bits(struct range range) {
+    int top = 0;
+    const double most = fmax(fabs(range.low), fabs(range.high));
+    if (!isfinite(most))
+        return 24;
+    frexp(most, &top);
+    return top;
 }
 
-/* An operand as fixed-point, for a result of this format. */
+/* An operand as fixed-point. Numbers, uniform values and floats are given enough bits after the
+ * point that rounding them is far below rounding the result: GUARD_BITS more than `exponent`. */
 static struct piece as_fixed(struct source_writer *w, const struct ir_operand *operand,
-                             struct fixed_format result, bool is_factor) {
-    if (operand->kind == OPERAND_FLOAT) {
-        int top = 0;
-        frexp((double)operand->number, &top);
-        return fixed_number(w, (double)operand->number,
-                            is_factor ? significant(result) - top : result.exponent);
-    }
+                             int exponent) {
+    enum { GUARD_BITS = 8, FLOAT_BITS = 25 /* with a sign */ };
+    if (operand->kind == OPERAND_FLOAT)
+        return fixed_number(w, (double)operand->number, exponent + GUARD_BITS);
     struct piece piece = natural(w, operand);
     if (piece.is_fixed)
         return piece;
-    return cast(w, fixing_format(fixing_operand_range(w->ranges, operand), result.size), piece);
+    const struct range range = fixing_operand_range(w->ranges, operand);
+    int size = exponent + GUARD_BITS - fixing_format(range, 0).exponent;
+    size = size < 2 ? 2 : size > FLOAT_BITS ? FLOAT_BITS : size;
+    return cast(w, fixing_format(range, size), piece);
+}
+
+/* How exactly an operand is wanted of which the result is a multiple. */
+static int factor_exponent(struct source_writer *w, struct fixed_format result,
+                           const struct ir_operand *other) {
+    return result.exponent + magnitude_bits(fixing_operand_range(w->ranges, other));
 }
 
 static struct piece infix(struct source_writer *w, int precedence, struct piece a,
@@ -246,21 +258,23 @@ static struct piece lengthen(struct source_writer *w, struct piece piece, int ex
  * Table 2 of the paper: a quotient costs more than three products. */
 static bool multiply_by_reciprocal(struct source_writer *w, const struct ir_node *node,
                                    struct fixed_format result, struct piece *piece) {
-    const struct ir_operand *divisor = &node->operands[1];
+    const struct ir_operand *dividend = &node->operands[0], *divisor = &node->operands[1];
     const struct range range = range_reciprocal(fixing_operand_range(w->ranges, divisor));
     if (ir_operand_is_varying(divisor) || !isfinite(range.low) || !isfinite(range.high))
         return false;
-    const struct piece one = number(w, 1);
+    const int exponent = factor_exponent(w, result, dividend);
     struct piece b;
     if (divisor->kind == OPERAND_FLOAT) {
-        int top = 0;
-        frexp(range.low, &top);
-        b = fixed_number(w, range.low, significant(result) - top);
+        b = fixed_number(w, range.low, exponent + 8);
     } else {
-        b = cast(w, fixing_format(range, result.size),
-                 infix(w, PRECEDENCE_PRODUCT, one, "/", natural(w, divisor)));
+        const int size = exponent + 8 - fixing_format(range, 0).exponent;
+        b = cast(w,
+                 fixing_format(range, size < 2    ? 2
+                                      : size > 25 ? 25
+                                                  : size),
+                 infix(w, PRECEDENCE_PRODUCT, number(w, 1), "/", natural(w, divisor)));
     }
-    const struct piece a = as_fixed(w, &node->operands[0], result, true);
+    const struct piece a = as_fixed(w, dividend, result.exponent + magnitude_bits(range));
     *piece = infix(w, PRECEDENCE_PRODUCT, a, "*", b);
     piece->format = fixed_result(FIXED_MULTIPLY, a.format, b.format);
     piece->is_fixed = true;
@@ -270,12 +284,17 @@ static bool multiply_by_reciprocal(struct source_writer *w, const struct ir_node
 static struct piece fixed_operation(struct source_writer *w, const struct ir_node *node,
                                     struct fixed_format result) {
     const struct source_operation *o = &operations[node->operation];
+    const struct ir_operand *first = &node->operands[0], *second = &node->operands[1];
     struct piece piece;
     if (node->operation == IR_DIVIDE && multiply_by_reciprocal(w, node, result, &piece))
         return piece;
-    const bool is_factor = o->rule == FIXED_MULTIPLY || o->rule == FIXED_DIVIDE;
-    struct piece a = as_fixed(w, &node->operands[0], result, is_factor);
-    const struct piece b = o->operands > 1 ? as_fixed(w, &node->operands[1], result, is_factor) : a;
+    const bool is_factor = o->rule == FIXED_MULTIPLY;
+    struct piece a =
+        as_fixed(w, first, is_factor ? factor_exponent(w, result, second) : result.exponent);
+    const struct piece b =
+        o->operands == 1
+            ? a
+            : as_fixed(w, second, is_factor ? factor_exponent(w, result, first) : result.exponent);
     if (o->rule == FIXED_SQRT || (o->rule == FIXED_DIVIDE && b.format.exponent < result.exponent))
         a = lengthen(w, a, result.exponent);
     piece = write_operation(w, o, a, b);
@@ -286,19 +305,19 @@ static struct piece fixed_operation(struct source_writer *w, const struct ir_nod
 
 static struct piece fixed_question(struct source_writer *w, const struct ir_node *node,
                                    struct fixed_format result) {
-    const struct piece a = as_fixed(w, &node->operands[1], result, false),
-                       b = as_fixed(w, &node->operands[2], result, false);
+    const struct piece a = as_fixed(w, &node->operands[1], result.exponent),
+                       b = as_fixed(w, &node->operands[2], result.exponent);
     struct piece piece = question(w, node, a, b);
     piece.format = fixed_result(FIXED_COMMON, a.format, b.format);
     piece.is_fixed = true;
     return piece;
 }
 
-static struct piece fixed_noise(struct source_writer *w, const struct ir_node *node, int count,
-                                struct fixed_format result) {
+static struct piece fixed_noise(struct source_writer *w, const struct ir_node *node, int count) {
+    enum { NOISE_COORDINATE_BITS = 14 };
     struct piece arguments[3];
     for (int i = 0; i < count; i++)
-        arguments[i] = as_fixed(w, &node->operands[i], result, false);
+        arguments[i] = as_fixed(w, &node->operands[i], NOISE_COORDINATE_BITS);
     struct piece piece = call(w, "noise", count, arguments);
     piece.format = (struct fixed_format){15, 14, true};
     piece.is_fixed = true;
@@ -338,7 +357,7 @@ static struct piece noise(struct source_writer *w, const struct ir_node *node,
     case IR_NOISE2:
     case IR_NOISE3:
         if (result->is_fixed)
-            return fixed_noise(w, node, ir_operand_count(node->operation), result->format);
+            return fixed_noise(w, node, ir_operand_count(node->operation));
         return float_noise(w, node, "float", "noise", false);
     case IR_NOISE4:
         return float_noise(w, node, "float", "noise", false);
@@ -426,6 +445,17 @@ static struct piece array_load(struct source_writer *w, const struct ir_node *no
         source_format(w, "%s[%s]", array->name, source_float(w, &node->operands[0]).text));
 }
 
+static int light_component(struct source_writer *w, const struct ir_node *node) {
+    return source_variable(w, node->operands[0].variable)->definition->index % 3;
+}
+
+bool source_is_towards_light(struct source_writer *w, const struct ir_node *node) {
+    if (node->operation != IR_NEGATE || node->operands[0].kind != OPERAND_VARIABLE)
+        return false;
+    const struct ir_node *definition = source_variable(w, node->operands[0].variable)->definition;
+    return definition && definition->operation == IR_LIGHT_DIRECTION;
+}
+
 struct piece source_expression(struct source_writer *w, const struct ir_node *node) {
     const struct source_operation *o = &operations[node->operation];
     const struct ir_variable *variable = node->results[0]   ? node->results[0]
@@ -434,6 +464,8 @@ struct piece source_expression(struct source_writer *w, const struct ir_node *no
     const struct written *result = source_variable(w, variable);
     if (node->operation == IR_MOVE)
         return natural(w, &node->operands[0]);
+    if (source_is_towards_light(w, node))
+        return primary(source_format(w, "%ccomp(L)", "xyz"[light_component(w, node)]));
     if (node->operation == IR_ARRAY_LOAD)
         return array_load(w, node);
     if (node->operation >= IR_NOISE1 && node->operation <= IR_CELLNOISE_3)
@@ -478,7 +510,7 @@ static struct piece comparison(struct source_writer *w, const struct ir_node *no
         struct fixed_format format = {32, 24, false};
         if (known && known->is_fixed)
             format = known->format;
-        sides[i] = as_fixed(w, &node->operands[i], format, false);
+        sides[i] = as_fixed(w, &node->operands[i], format.exponent);
     }
     return infix(w, o->precedence, sides[0], o->token, sides[1]);
 }

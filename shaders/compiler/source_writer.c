@@ -103,10 +103,15 @@ static void note_parameters(struct source_writer *w, const struct ir_node *branc
     }
 }
 
-static bool is_fixed_wanted(const struct source_writer *w, const struct ir_variable *v) {
+static bool can_be_fixed(struct source_writer *w, const struct ir_variable *v) {
+    const struct ir_node *definition = source_variable(w, v)->definition;
+    return v->type == IR_FLOAT && v->is_varying && !v->array_length && definition &&
+           definition->operation != IR_LIGHT_DIRECTION;
+}
+
+static bool is_fixed_wanted(struct source_writer *w, const struct ir_variable *v) {
     const struct shader_compile_options *options = w->ir->c->options;
-    return v->type == IR_FLOAT && v->is_varying && !v->array_length &&
-           v->id < options->fixing_count && options->fixings[v->id].is_seen &&
+    return can_be_fixed(w, v) && v->id < options->fixing_count && options->fixings[v->id].is_seen &&
            options->fixings[v->id].size > 0;
 }
 
@@ -126,12 +131,8 @@ static void note_alias(struct source_writer *w, const struct ir_node *node) {
         known->alias = source_expression(w, node).text;
     if (node->operation == IR_SELECT && is_given(w, a))
         known->alias = source_variable(w, node->operands[1].variable)->alias;
-    if (node->operation != IR_NEGATE || a->kind != OPERAND_VARIABLE)
-        return;
-    const struct ir_node *definition = source_variable(w, a->variable)->definition;
-    if (definition && definition->operation == IR_LIGHT_DIRECTION &&
-        !source_variable(w, a->variable)->is_fixed)
-        known->alias = source_format(w, "%ccomp(L)", "xyz"[definition->index % 3]);
+    if (source_is_towards_light(w, node))
+        known->alias = source_expression(w, node).text;
 }
 
 /* Whether the operands mean the same wherever the list of `node` sees them. */
@@ -468,18 +469,20 @@ static const char *parameter_list(struct source_writer *w) {
     compilation_stop(w->ir->c);
 }
 
-static void describe_variables(struct ir_program *ir) {
+static void describe_variables(struct source_writer *w) {
+    struct ir_program *ir = w->ir;
     struct shader_program *program = ir->c->program;
     struct shader_variable *all =
         arena_get(&program->arena, (ir->variable_count + 1) * sizeof *all);
+    for (size_t i = 0; all && i < ir->variable_count; i++) {
+        const char *name = w->variables[i].name ? w->variables[i].name : "";
+        all[i].name = arena_copy_string(&program->arena, name, strlen(name));
+        all[i].can_be_fixed = ir->variables[i]->is_live && can_be_fixed(w, ir->variables[i]);
+        if (!all[i].name)
+            all = NULL;
+    }
     if (!all)
         compile_limit(ir->c, NULL, "the shader needs more memory than the compiler may use");
-    for (size_t i = 0; i < ir->variable_count; i++) {
-        const struct ir_variable *v = ir->variables[i];
-        all[i] = (struct shader_variable){
-            .name = v->name ? arena_copy_string(&program->arena, v->name, strlen(v->name)) : "",
-            .can_be_fixed = v->type == IR_FLOAT && v->is_varying && !v->array_length && v->is_live};
-    }
     program->variables = all;
     program->variable_count = (int)ir->variable_count;
 }
@@ -521,7 +524,7 @@ void pass_source(struct ir_program *ir) {
         put(w, "%s%s", i ? ", " : "", source_float(w, &color).text);
     }
     put(w, ");\n    Oi = 1;\n}\n");
-    describe_variables(ir);
+    describe_variables(w);
     ir_each_node(ir->top, describe_node, w);
     ir->c->program->source = arena_copy_string(&ir->c->program->arena, w->text, w->length);
     if (!ir->c->program->source)
