@@ -585,7 +585,8 @@ static void host_node_destroy(struct node *node) {
     rib_reader_destroy(self->reader);
     run_recorder_destroy(self->recorder);
     stream_cache_finish(&self->streams);
-    shader_library_destroy(self->library);
+    if (!self->options.library)
+        shader_library_destroy(self->library);
     for (size_t i = 0; i < report->frame_count; i++)
         frame_record_finish(&report->frames[i]);
     for (size_t i = 0; i < report->instance_count; i++)
@@ -617,8 +618,10 @@ bool host_node_create(const struct host_options *options, const struct host_obse
     self->build_shaders = build_shaders;
     self->build_context = build_context;
     self->reader = reader;
-    self->library = shader_library_create(options->shader_folders, options->shader_folder_count,
-                                          &options->precision);
+    self->library = options->library
+                        ? options->library
+                        : shader_library_create(options->shader_folders,
+                                                options->shader_folder_count, &options->precision);
     const struct shader_compile_options base = {.pixel_memory_bytes =
                                                     (int)options->machine.pixel_memory_bytes,
                                                 .allows_external = options->allows_external};

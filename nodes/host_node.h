@@ -29,6 +29,8 @@ struct host_options {
     bool write_png;
     uint32_t compression; /* enum image_compression */
     struct shader_precision precision;
+    struct shader_library *library; /* to compile shaders with instead of one of its own, which then
+                                       has folders and precision; stays the caller's; NULL: none */
     bool allows_external; /* shaders may call extern "C" functions, which the nodes link */
     bool explain_work;    /* keep a work_record of each frame */
     bool is_recorded;     /* keep what every chunk and region cost, for host_report.record */

@@ -13,13 +13,10 @@
  * variable takes all of it because it came first. Then variables whose conversions cost more than
  * they save go back to floats, and the shader is written and rendered. */
 
-static const int sizes[] = {8, 16, 24, 32};  /* pixel memory and prices go by whole bytes */
-static const double portions[] = {0.4, 0.9}; /* of the bound */
-enum {
-    SIZE_COUNT = sizeof sizes / sizeof *sizes,
-    PORTION_COUNT = sizeof portions / sizeof *portions,
-    CHECKS_MAX = 4
-};
+static const int sizes[] = {8, 16, 24, 32}; /* pixel memory and prices go by whole bytes */
+/* What part of the bound roundings to each may use up. The last step saves least. */
+static const double portions[] = {0.9, 0.5, 0.4};
+enum { SIZE_COUNT = sizeof sizes / sizeof *sizes, CHECKS_MAX = 4 };
 
 struct candidate {
     int variable; /* number in the program */
@@ -123,14 +120,11 @@ static bool shorten(struct search *search, size_t first, size_t end, int step, d
 static bool choose_sizes(struct search *search, struct status *status) {
     for (size_t i = 0; i < search->count; i++)
         search->fixings[search->candidates[i].variable].size = sizes[SIZE_COUNT - 1];
-    for (int p = 0; p < PORTION_COUNT; p++)
-        for (int step = SIZE_COUNT - 1; step > 0; step--) {
-            report(search, SHADER_FIX_ROUNDING,
-                   (size_t)(p * (SIZE_COUNT - 1) + SIZE_COUNT - 1 - step),
-                   PORTION_COUNT * (SIZE_COUNT - 1));
-            if (!shorten(search, 0, search->count, step, portions[p] * search->bound, status))
-                return false;
-        }
+    for (int step = SIZE_COUNT - 1; step > 0; step--) {
+        report(search, SHADER_FIX_ROUNDING, (size_t)(SIZE_COUNT - 1 - step), SIZE_COUNT - 1);
+        if (!shorten(search, 0, search->count, step, portions[step - 1] * search->bound, status))
+            return false;
+    }
     return true;
 }
 
@@ -146,18 +140,16 @@ static bool price(struct search *search, ticks *time, struct status *status) {
 }
 
 /* Makes each variable a float for once, and leaves it so where that is cheaper: conversions cost an
- * addition of floats. Twice, since neighbours decide together. */
+ * addition of floats. */
 static bool drop_what_costs(struct search *search, struct status *status) {
-    enum { ROUNDS = 2 };
     ticks best;
     if (!price(search, &best, status))
         return false;
-    for (size_t i = 0; i < ROUNDS * search->count; i++) {
-        struct shader_fixing *fixing =
-            &search->fixings[search->candidates[i % search->count].variable];
+    for (size_t i = 0; i < search->count; i++) {
+        struct shader_fixing *fixing = &search->fixings[search->candidates[i].variable];
         const int size = fixing->size;
         ticks time;
-        report(search, SHADER_FIX_CHOOSING, i, ROUNDS * search->count);
+        report(search, SHADER_FIX_CHOOSING, i, search->count);
         if (!size)
             continue;
         fixing->size = 0;

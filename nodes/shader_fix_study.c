@@ -18,28 +18,25 @@ static void name_of_file(const char *path, char name[FIX_NAME_BYTES]) {
     snprintf(name, FIX_NAME_BYTES, "%.*s", (int)(has_suffix ? length - 3 : length), begin);
 }
 
-static bool render(struct fix_study *study, bool is_small, const char *first_folder,
+/* `is_small`: a trial, whose precision is that of its library. `writes`: with the shader that was
+ * written instead of the original. */
+static bool render(struct fix_study *study, bool is_small, bool writes,
                    const struct shader_precision *precision, struct cluster_pictures *pictures,
                    struct status *status) {
     struct host_options host = *study->options->rendering;
     if (is_small) {
+        host.library = study->probed;
         host.reading.width = study->width;
         host.reading.height = study->height;
     }
-    const char **folders = memory_get((size_t)host.shader_folder_count + 1, sizeof *folders);
-    int count = 0;
-    if (first_folder)
-        folders[count++] = first_folder;
-    for (int i = 0; i < host.shader_folder_count; i++)
-        folders[count++] = host.shader_folders[i];
-    host.shader_folders = folders;
-    host.shader_folder_count = count;
-    host.precision = *precision;
+    host.shader_folders = study->folders + (writes ? 0 : 1);
+    host.shader_folder_count += writes ? 2 : 1;
+    if (precision)
+        host.precision = *precision;
     study->renderings++;
-    const bool ok = cluster_in_process_render(&host, local_services_interface(study->services),
-                                              pictures, study->options->stop, status);
-    free(folders);
-    return ok && !(study->options->stop && *study->options->stop);
+    return cluster_in_process_render(&host, local_services_interface(study->services), pictures,
+                                     study->options->stop, status) &&
+           !(study->options->stop && *study->options->stop);
 }
 
 /* The largest numbers met so far, at most `capacity` of them, the smallest first. */
@@ -202,9 +199,8 @@ bool fix_study_price(struct fix_study *study, const char *source, struct shader_
 
 bool fix_study_round(struct fix_study *study, struct shader_fix_error *error,
                      struct status *status) {
-    const struct shader_precision precision = {.probed_shader = study->name};
     struct cluster_pictures pictures = {0};
-    const bool ok = render(study, true, NULL, &precision, &pictures, status) &&
+    const bool ok = render(study, true, false, NULL, &pictures, status) &&
                     compare(study, 0, &study->floats, &pictures, error, status);
     cluster_pictures_finish(&pictures);
     return ok;
@@ -226,7 +222,7 @@ bool fix_study_check(struct fix_study *study, const char *source, struct shader_
     snprintf(path, sizeof path, "%s/%s.sl", study->folder, study->name);
     const bool ok =
         (!source || write_shader(path, source, status)) &&
-        render(study, false, source ? study->folder : NULL, &precision, &pictures, status) &&
+        render(study, false, source != NULL, &precision, &pictures, status) &&
         compare(study, study->options->outliers, &study->reference, &pictures, error, status);
     cluster_pictures_finish(&pictures);
     if (source)
@@ -236,12 +232,11 @@ bool fix_study_check(struct fix_study *study, const char *source, struct shader_
 
 /* The pictures that others are compared with, and what values the variables have in them. */
 static bool look(struct fix_study *study, struct status *status) {
-    const struct shader_precision reference = {.reference_math = true},
-                                  probed = {.probed_shader = study->name};
-    if (!render(study, false, NULL, &reference, &study->reference, status))
+    const struct shader_precision reference = {.reference_math = true};
+    if (!render(study, false, false, &reference, &study->reference, status))
         return false;
     study->floats.probed = study->program->name;
-    if (!render(study, true, NULL, &probed, &study->floats, status))
+    if (!render(study, true, false, NULL, &study->floats, status))
         return false;
     study->module = study->floats.module;
     if (!study->module || study->module->probe_count < study->program->variable_count)
@@ -251,8 +246,21 @@ static bool look(struct fix_study *study, struct status *status) {
     return true;
 }
 
+static void list_folders(struct fix_study *study) {
+    const struct host_options *rendering = study->options->rendering;
+    const char *path = study->options->path, *slash = strrchr(path, '/');
+    snprintf(study->own_folder, sizeof study->own_folder, "%.*s", slash ? (int)(slash - path) : 1,
+             slash ? path : ".");
+    study->folders = memory_get((size_t)rendering->shader_folder_count + 2, sizeof *study->folders);
+    study->folders[0] = study->folder;
+    study->folders[1] = study->own_folder;
+    for (int i = 0; i < rendering->shader_folder_count; i++)
+        study->folders[2 + i] = rendering->shader_folders[i];
+}
+
 static bool begin(struct fix_study *study, struct status *status) {
     const struct host_options *rendering = study->options->rendering;
+    list_folders(study);
     const char *base = getenv("TMPDIR");
     snprintf(study->folder, sizeof study->folder, "%s/sortlast-fix-XXXXXX", base ? base : "/tmp");
     if (!mkdtemp(study->folder)) {
@@ -261,13 +269,15 @@ static bool begin(struct fix_study *study, struct status *status) {
         study->folder[0] = 0;
         return false;
     }
-    const struct shader_precision precision = {0};
+    const struct shader_precision precision = {0}, probed = {.probed_shader = study->name};
+    const int folders = rendering->shader_folder_count + 1;
     study->services = local_services_create(&study->trace, study->options->stop);
-    study->library = shader_library_create(rendering->shader_folders,
-                                           rendering->shader_folder_count, &precision);
+    study->library = shader_library_create(study->folders + 1, folders, &precision);
+    study->probed = shader_library_create(study->folders + 1, folders, &probed);
     const struct shader_compile_options options = {.pixel_memory_bytes =
                                                        (int)rendering->machine.pixel_memory_bytes};
     shader_library_set_base(study->library, &options);
+    shader_library_set_base(study->probed, &options);
     struct shader_program *program;
     if (!read_scene(study, status) || !fix_study_write(study, NULL, &program, status))
         return false;
@@ -297,10 +307,12 @@ void fix_study_destroy(struct fix_study *study) {
     cluster_pictures_finish(&study->floats);
     shader_program_destroy((struct shader_program *)study->program);
     shader_library_destroy(study->library);
+    shader_library_destroy(study->probed);
     local_services_destroy(study->services);
     for (int i = 0; i < study->material_count; i++)
         free(study->material[i]);
     if (study->folder[0])
         rmdir(study->folder);
+    free(study->folders);
     free(study);
 }

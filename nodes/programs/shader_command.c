@@ -21,7 +21,7 @@ struct shader_options {
     int frames, memory_bytes;
     bool renders, writes_png, explains, prints_c;
     int width, height;
-    char machine_file[4096], library[2][4096], own_folder[4096], scene_folder[4096];
+    char machine_file[4096], library[2][4096], own_folder[4096];
 };
 
 static void print_help(void) {
@@ -212,7 +212,7 @@ static int take_option(struct shader_options *o, int key) {
         return add_names(o->lights, &study->light_count, optarg) ? -1
                                                                  : usage("too many lights", "");
     case KEY_SHADERS:
-        if (study->folder_count >= LIST_MAX - 5)
+        if (study->folder_count >= LIST_MAX - 4)
             return usage("too many folders, at ", optarg);
         o->folders[study->folder_count++] = optarg;
         return -1;
@@ -281,19 +281,12 @@ static int take_option(struct shader_options *o, int key) {
     }
 }
 
-static void folder_of(const char *path, char folder[4096]) {
-    const char *slash = strrchr(path, '/');
-    snprintf(folder, 4096, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
-}
-
 static void add_folders(struct shader_options *o) {
     char program[3072];
-    folder_of(o->study.path, o->own_folder);
+    const char *slash = strrchr(o->study.path, '/');
+    snprintf(o->own_folder, sizeof o->own_folder, "%.*s", slash ? (int)(slash - o->study.path) : 1,
+             slash ? o->study.path : ".");
     o->folders[o->study.folder_count++] = o->own_folder;
-    if (o->fix_scene) {
-        folder_of(o->fix_scene, o->scene_folder);
-        o->folders[o->study.folder_count++] = o->scene_folder;
-    }
     if (program_folder(program, sizeof program)) {
         snprintf(o->library[0], sizeof o->library[0], "%s/../shaders/library", program);
         snprintf(o->library[1], sizeof o->library[1], "%s/../share/sortlast/shaders", program);
@@ -336,28 +329,50 @@ static char *read_source(const char *path) {
     return text;
 }
 
-/* Makes the shader fixed-point as the pictures of a scene allow. */
-static bool fix(const struct shader_options *o, const struct machine *machine,
-                struct status *status) {
-    struct shader_fix_request request = {
-        .fix = {.path = o->study.path, .max_error = o->max_error, .outliers = o->outliers},
-        .rendering = {.scene = o->fix_scene,
-                      .reading = {.width = o->width, .height = o->height},
-                      .machine = *machine,
-                      .shader_folders = o->study.folders,
-                      .shader_folder_count = o->study.folder_count,
-                      .frames = o->frames,
-                      .seed = 1},
-        .output = o->output,
-        .json = o->json};
-    char path[4096];
+/* The words with which `sortlast render` draws the scene with the shader in question. */
+static int render_words(const struct shader_options *o, char numbers[2][32],
+                        char *words[2 * LIST_MAX + 16]) {
+    int count = 0;
+    words[count++] = "render";
+    words[count++] = (char *)o->fix_scene;
+    words[count++] = "--machine";
+    words[count++] = (char *)o->machine;
+    for (int i = 0; i < o->study.folder_count; i++) {
+        words[count++] = "--shaders";
+        words[count++] = (char *)o->folders[i];
+    }
+    snprintf(numbers[0], 32, "%d", o->frames);
+    words[count++] = "--frames";
+    words[count++] = numbers[0];
+    if (o->width) {
+        snprintf(numbers[1], 32, "%dx%d", o->width, o->height);
+        words[count++] = "--format";
+        words[count++] = numbers[1];
+    }
+    words[count] = NULL;
+    return count;
+}
+
+/* Makes the shader fixed-point as the pictures of a scene allow; returns the exit status. */
+static int fix(const struct shader_options *o) {
+    struct render_options *rendering = memory_get(1, sizeof *rendering);
+    char numbers[2][32], *words[2 * LIST_MAX + 16], path[4096];
+    struct status status = {0};
+    if (render_options_parse(render_words(o, numbers, words), words, false, rendering))
+        return 1; /* which has said why */
     const char *slash = strrchr(o->study.path, '/'), *name = slash ? slash + 1 : o->study.path;
     snprintf(path, sizeof path, "%.*s_fixed.sl", (int)strcspn(name, "."), name);
-    if (!request.output)
-        request.output = path;
+    struct shader_fix_request request = {
+        .fix = {.path = o->study.path, .max_error = o->max_error, .outliers = o->outliers},
+        .rendering = rendering->host,
+        .output = o->output ? o->output : path,
+        .json = o->json};
     if (o->memory_bytes)
         request.rendering.machine.pixel_memory_bytes = o->memory_bytes;
-    return shader_fix_command(&request, status);
+    const bool ok = shader_fix_command(&request, &status);
+    render_options_finish(rendering);
+    free(rendering);
+    return ok ? 0 : status.code == STATUS_OK ? 128 + (int)program_stop : failure(&status);
 }
 
 static bool write_picture(const struct shader_options *o, struct shader_study *study,
@@ -457,13 +472,11 @@ int shader_main(int argc, char **argv) {
     const int end = parse(argc, argv, o);
     if (end >= 0)
         return end;
+    if (o->fix_scene)
+        return fix(o);
     if (!machine_find_file(o->machine, o->machine_file, sizeof o->machine_file, &status) ||
         !machine_read_file(o->machine_file, &machine, &status))
         return failure(&status);
-    if (o->fix_scene)
-        return fix(o, &machine, &status)  ? 0
-               : status.code == STATUS_OK ? 128 + (int)program_stop
-                                          : failure(&status);
     o->width = o->width ? o->width : 512;
     o->height = o->height ? o->height : 512;
     o->study.compile.pixel_memory_bytes =
