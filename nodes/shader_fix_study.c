@@ -29,10 +29,10 @@ static bool render(struct fix_study *study, bool is_small, bool writes,
         host.reading.width = study->width;
         host.reading.height = study->height;
     }
-    host.shader_folders = study->folders + (writes ? 0 : 1);
-    host.shader_folder_count += writes ? 2 : 1;
     if (precision)
         host.precision = *precision;
+    host.precision.files = (const char *const *)(writes ? &study->written : &study->original);
+    host.precision.file_count = writes || study->original;
     study->renderings++;
     return cluster_in_process_render(&host, local_services_interface(study->services), pictures,
                                      study->options->stop, status) &&
@@ -218,8 +218,7 @@ bool fix_study_check(struct fix_study *study, const char *source, struct shader_
                      struct status *status) {
     const struct shader_precision precision = {0};
     struct cluster_pictures pictures = {0};
-    char path[FIX_PATH_BYTES + FIX_NAME_BYTES + 8];
-    snprintf(path, sizeof path, "%s/%s.sl", study->folder, study->name);
+    const char *path = study->written + strlen(study->name) + 1;
     const bool ok =
         (!source || write_shader(path, source, status)) &&
         render(study, false, source != NULL, &precision, &pictures, status) &&
@@ -246,22 +245,31 @@ static bool look(struct fix_study *study, struct status *status) {
     return true;
 }
 
-static void list_folders(struct fix_study *study) {
+/* "NAME=FILE", as libraries take it. */
+static char *name_file(const char *name, const char *path) {
+    char *text = memory_get(strlen(name) + strlen(path) + 2, 1);
+    sprintf(text, "%s=%s", name, path);
+    return text;
+}
+
+static void make_libraries(struct fix_study *study) {
     const struct host_options *rendering = study->options->rendering;
-    const char *path = study->options->path, *slash = strrchr(path, '/');
-    snprintf(study->own_folder, sizeof study->own_folder, "%.*s", slash ? (int)(slash - path) : 1,
-             slash ? path : ".");
-    study->folders = memory_get((size_t)rendering->shader_folder_count + 2, sizeof *study->folders);
-    study->folders[0] = study->folder;
-    study->folders[1] = study->own_folder;
-    for (int i = 0; i < rendering->shader_folder_count; i++)
-        study->folders[2 + i] = rendering->shader_folders[i];
+    const struct shader_compile_options options = {.pixel_memory_bytes =
+                                                       (int)rendering->machine.pixel_memory_bytes};
+    struct shader_precision precision = {.files = (const char *const *)&study->original,
+                                         .file_count = study->original != NULL};
+    study->library = shader_library_create(rendering->shader_folders,
+                                           rendering->shader_folder_count, &precision);
+    precision.probed_shader = study->name;
+    study->probed = shader_library_create(rendering->shader_folders, rendering->shader_folder_count,
+                                          &precision);
+    shader_library_set_base(study->library, &options);
+    shader_library_set_base(study->probed, &options);
 }
 
 static bool begin(struct fix_study *study, struct status *status) {
-    const struct host_options *rendering = study->options->rendering;
-    list_folders(study);
     const char *base = getenv("TMPDIR");
+    char path[FIX_PATH_BYTES + FIX_NAME_BYTES + 8];
     snprintf(study->folder, sizeof study->folder, "%s/sortlast-fix-XXXXXX", base ? base : "/tmp");
     if (!mkdtemp(study->folder)) {
         status_fail(status, STATUS_IO, "cannot make the folder %s: %s", study->folder,
@@ -269,15 +277,12 @@ static bool begin(struct fix_study *study, struct status *status) {
         study->folder[0] = 0;
         return false;
     }
-    const struct shader_precision precision = {0}, probed = {.probed_shader = study->name};
-    const int folders = rendering->shader_folder_count + 1;
     study->services = local_services_create(&study->trace, study->options->stop);
-    study->library = shader_library_create(study->folders + 1, folders, &precision);
-    study->probed = shader_library_create(study->folders + 1, folders, &probed);
-    const struct shader_compile_options options = {.pixel_memory_bytes =
-                                                       (int)rendering->machine.pixel_memory_bytes};
-    shader_library_set_base(study->library, &options);
-    shader_library_set_base(study->probed, &options);
+    if (!access(study->options->path, F_OK)) /* otherwise a name, for the folders */
+        study->original = name_file(study->name, study->options->path);
+    snprintf(path, sizeof path, "%s/%s.sl", study->folder, study->name);
+    study->written = name_file(study->name, path);
+    make_libraries(study);
     struct shader_program *program;
     if (!read_scene(study, status) || !fix_study_write(study, NULL, &program, status))
         return false;
@@ -313,6 +318,7 @@ void fix_study_destroy(struct fix_study *study) {
         free(study->material[i]);
     if (study->folder[0])
         rmdir(study->folder);
-    free(study->folders);
+    free(study->original);
+    free(study->written);
     free(study);
 }

@@ -17,9 +17,8 @@ struct fix_study {
     struct shader_library *library;   /* for what is written */
     struct shader_library *probed;    /* of trials: shaders are compiled once for all of them */
     char name[FIX_NAME_BYTES];        /* that the scene knows the shader by */
-    char own_folder[FIX_PATH_BYTES];  /* that the shader is in: looked at first */
-    char folder[FIX_PATH_BYTES];      /* for what is written, before that; removed at the end */
-    const char **folders;             /* these two the other way round, then those of the scene */
+    char folder[FIX_PATH_BYTES];      /* for what is written; removed at the end */
+    char *original, *written;         /* "NAME=FILE" of the shader and of what is written; owned */
     char *material[FIX_MATERIAL_MAX]; /* parameters that come with the primitives; owned */
     int material_count;
     const struct shader_program *program; /* with variables and source, all floats; owned */

@@ -75,10 +75,26 @@ static FILE *open_named(const struct shader_library *library, const char *name,
     return NULL;
 }
 
+/* The file that the user names for this shader; NULL: none. */
+static const char *file_of(const struct shader_library *library, const char *name) {
+    const size_t length = strlen(name);
+    for (int i = 0; i < library->precision.file_count; i++) {
+        const char *item = library->precision.files[i];
+        if (!strncmp(item, name, length) && item[length] == '=')
+            return item + length + 1;
+    }
+    return NULL;
+}
+
 /* The standard's names of its light shaders ("distantlight") also find ours ("distant"). */
 static FILE *open_source(const struct shader_library *library, const char *name,
                          char path[PATH_BYTES]) {
     static const char suffix[] = "light";
+    const char *given = file_of(library, name);
+    if (given) {
+        snprintf(path, PATH_BYTES, "%s", given);
+        return fopen(path, "rb");
+    }
     FILE *file = open_named(library, name, path);
     const size_t length = strlen(name), cut = sizeof suffix - 1;
     if (file || length <= cut || length >= PATH_BYTES - 8 || strcmp(name + length - cut, suffix))
@@ -91,6 +107,11 @@ static FILE *open_source(const struct shader_library *library, const char *name,
 static bool not_found(const struct shader_library *library, const char *name,
                       const struct scene_location *at, struct status *status) {
     char folders[1024] = "";
+    if (file_of(library, name))
+        return status_fail(status, STATUS_NOT_FOUND,
+                           "%s:%d:%d: error: cannot open %s, which shader \"%s\" is to be: %s",
+                           at->file ? at->file : "scene", at->line, at->column,
+                           file_of(library, name), name, strerror(errno));
     for (int i = 0; i < library->folder_count; i++) {
         size_t used = strlen(folders);
         snprintf(folders + used, sizeof folders - used, "%s%s", i ? ", " : "", library->folders[i]);

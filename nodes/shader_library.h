@@ -29,6 +29,9 @@ struct shader_precision {
     const char *fast_shaders;     /* names with commas: these use fast functions; NULL: none */
     struct fast_calls fast_calls; /* ... and these calls; stays the caller's */
     bool half_parameters;
+    /* "NAME=FILE.sl": where to find a shader, whatever the folders have; stay the caller's */
+    const char *const *files;
+    int file_count;
     const char *probed_shader; /* its module notes and rounds its variables; NULL: none */
 };
 

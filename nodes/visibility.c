@@ -53,6 +53,7 @@ enum { SCENE_SKIPPING, SCENE_CAREFUL, SCENE_HUGE, SCENE_TINY, SCENE_COUNT };
 struct visibility {
     struct frame_payload frame;
     struct region_bins bins;
+    struct region_bins rare_bins; /* of triangles of all scenes but the first */
     const struct chunk_payload *chunks;
     size_t triangle_count;
     struct triangle_setup *setups;
@@ -225,18 +226,18 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
             if (!triangle_setup_make(v[0], v[1], v[2], visibility->frame.is_perspective,
                                      &visibility->setups[count]))
                 continue;
-            struct traced_scene *traced =
-                &visibility->scenes[choose_scene(v, visibility->frame.is_perspective)];
+            const int number = choose_scene(v, visibility->frame.is_perspective);
+            struct traced_scene *traced = &visibility->scenes[number];
             traced->triangles[traced->count++] = (uint32_t)count;
             visibility->sources[count] = (struct triangle_source){(uint32_t)c, t};
             visibility->primitives[count] = chunk->first_primitive + t;
             for (int i = 0; i < 3; i++)
                 indices[count * 3 + i] = (uint32_t)vertex_count + corner[i];
-            region_bins_add(&visibility->bins, &visibility->frame,
-                            &(struct binned_triangle){{v[0], v[1], v[2]},
-                                                      &visibility->setups[count],
-                                                      chunk->number,
-                                                      chunk->map_bytes});
+            const struct binned_triangle binned = {
+                {v[0], v[1], v[2]}, &visibility->setups[count], chunk->number, chunk->map_bytes};
+            region_bins_add(&visibility->bins, &visibility->frame, &binned);
+            if (number != SCENE_SKIPPING)
+                region_bins_add(&visibility->rare_bins, &visibility->frame, &binned);
             count++;
         }
         vertex_count += chunk->vertex_count;
@@ -265,6 +266,7 @@ bool visibility_create(struct visibility_device *device, const struct frame_payl
     visibility->frame = *frame;
     visibility->chunks = chunks;
     region_bins_init(&visibility->bins, grid, records_work);
+    region_bins_init(&visibility->rare_bins, grid, false);
     size_t vertices = 0, triangles = 0;
     for (size_t c = 0; c < chunk_count; c++) {
         vertices += chunks[c].vertex_count;
@@ -310,6 +312,7 @@ void visibility_destroy(struct visibility *visibility) {
         free(visibility->scenes[i].triangles);
     }
     region_bins_finish(&visibility->bins);
+    region_bins_finish(&visibility->rare_bins);
     free(visibility->setups);
     free(visibility->sources);
     free(visibility->primitives);
@@ -328,9 +331,9 @@ const struct region_bins *visibility_bins(const struct visibility *visibility) {
 }
 
 /* Casts the 16 rays of one tile whose first sample is (x0, y0) in the region, `wide` by `high` of
- * them inside the picture. */
-static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, uint32_t wide,
-                      uint32_t high) {
+ * them inside the picture, against the first `scene_count` scenes. */
+static void cast_tile(struct visibility *visibility, int scene_count, uint32_t x0, uint32_t y0,
+                      uint32_t wide, uint32_t high) {
     const uint32_t region_width = visibility->bins.grid.region_width;
     struct packet packet;
     struct RTCRayHit16 rays;
@@ -357,7 +360,7 @@ static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, u
         rays.ray.id[lane] = lane;
         rays.ray.flags[lane] = 0;
     }
-    for (int i = 0; i < SCENE_COUNT; i++) {
+    for (int i = 0; i < scene_count; i++) {
         packet.scene = &visibility->scenes[i];
         if (!packet.scene->scene)
             continue;
@@ -385,6 +388,7 @@ static void cast_tile(struct visibility *visibility, uint32_t x0, uint32_t y0, u
 static void cast_region(struct visibility *visibility, uint32_t region) {
     const struct region_bins *bins = &visibility->bins;
     const struct region_grid *grid = &bins->grid;
+    const struct region_bin *rare = visibility->rare_bins.bins[region];
     uint32_t origin_x, origin_y;
     region_grid_origin(grid, region, &origin_x, &origin_y);
     const uint32_t wide = grid->samples_wide - origin_x < grid->region_width
@@ -404,7 +408,9 @@ static void cast_region(struct visibility *visibility, uint32_t region) {
             if (!region_bin_has_tile(bins, bins->bins[region], column, row))
                 continue;
             const uint32_t x0 = column * TILE_SAMPLES, y0 = row * TILE_SAMPLES;
-            cast_tile(visibility, x0, y0, wide - x0 < TILE_SAMPLES ? wide - x0 : TILE_SAMPLES,
+            const bool has_rare = rare && region_bin_has_tile(bins, rare, column, row);
+            cast_tile(visibility, has_rare ? SCENE_COUNT : SCENE_SKIPPING + 1, x0, y0,
+                      wide - x0 < TILE_SAMPLES ? wide - x0 : TILE_SAMPLES,
                       high - y0 < TILE_SAMPLES ? high - y0 : TILE_SAMPLES);
         }
 }

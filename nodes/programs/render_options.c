@@ -42,6 +42,7 @@ enum {
     OPTION_CHORD,
     OPTION_FAST_SHADERS,
     OPTION_FAST_CALLS,
+    OPTION_USE,
     OPTION_SKIP,
     OPTION_PARAMETERS,
     OPTION_EXPLAIN_WORK,
@@ -74,6 +75,7 @@ static const struct option long_options[] = {
     {"explain-work", no_argument, NULL, OPTION_EXPLAIN_WORK},
     {"fast-shaders", required_argument, NULL, OPTION_FAST_SHADERS},
     {"fast-calls", required_argument, NULL, OPTION_FAST_CALLS},
+    {"use", required_argument, NULL, OPTION_USE},
     {"skip", required_argument, NULL, OPTION_SKIP},
     {"parameters", required_argument, NULL, OPTION_PARAMETERS},
     {"chord", required_argument, NULL, OPTION_CHORD},
@@ -152,6 +154,9 @@ static void print_help(bool is_host_program) {
          "scene's\n"
          "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the "
          "library\n"
+         "      --use NAME=FILE.sl     this file is the shader NAME, whatever the folders have; "
+         "may be "
+         "repeated\n"
          "      --link FILE.so         let shaders call the extern \"C\" functions of this object: "
          "code that runs\n"
          "                             with your rights (docs/language.md, 13)\n"
@@ -265,6 +270,19 @@ static bool parse_choice(const char *text, const char *what, const char *const *
         snprintf(all + used, sizeof all - used, "%s%s", i ? ", " : "", choices[i]);
     }
     return status_fail(status, STATUS_INVALID, "%s must be one of %s, not \"%s\"", what, all, text);
+}
+
+static bool add_shader_file(struct render_options *options, const char *text,
+                            struct status *status) {
+    struct shader_precision *precision = &options->host.precision;
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text || !equals[1])
+        return status_fail(status, STATUS_INVALID, "--use is NAME=FILE.sl, not %s", text);
+    if (precision->file_count == sizeof options->shader_files / sizeof *options->shader_files)
+        return status_fail(status, STATUS_INVALID, "--use is given too often");
+    options->shader_files[precision->file_count++] = text;
+    precision->files = options->shader_files;
+    return true;
 }
 
 static void add_folder(struct render_options *options, const char *folder, size_t length) {
@@ -391,6 +409,8 @@ static bool parse_one(int option, const char *text, struct render_options *o,
     case OPTION_FAST_CALLS:
         fast_calls_finish(&o->host.precision.fast_calls);
         return fast_calls_parse("--fast-calls", text, NULL, &o->host.precision.fast_calls, status);
+    case OPTION_USE:
+        return add_shader_file(o, text, status);
     case OPTION_SKIP:
         ok = parse_whole(text, "--skip", 0, FRAMES_MAX, &whole, status);
         o->host.skipped_frames = (int)whole;

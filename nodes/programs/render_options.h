@@ -32,6 +32,7 @@ struct render_options {
     pid_t supervisor; /* started this process and reports lost nodes; 0: none */
     char machine_file[4096];
     char *folders[32];
+    const char *shader_files[64]; /* --use */
 };
 
 /* Parses and checks everything, reads the machine description. `is_host_program` adds its own

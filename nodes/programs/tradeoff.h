@@ -37,6 +37,7 @@ struct tradeoff_knob {
     char key[240];
     const char *option; /* NULL: of functions */
     char *calls;        /* of functions: what --fast-calls gets; owned */
+    char *use;          /* of a shader in fixed-point: what --use gets; owned */
     int shader;         /* of a place: the knob of its shader; -1 */
     const char *values[TRADEOFF_VALUES_MAX];
     int value_count;
@@ -89,6 +90,7 @@ struct tradeoff_options {
     double min_psnr, max_flip, max_error, max_time_ms; /* NAN: no limit */
     long runs;                                         /* at most */
     const char *reference_samples;
+    const char *fixed; /* error that shaders in fixed-point are to keep; NULL: none are made */
     const char *tune_frames, *judge_frames; /* lists, NULL: as it fits the scene */
     char **forwarded;                       /* to `sortlast render` */
     int forwarded_count;
@@ -105,6 +107,11 @@ void tradeoff_add_table_knobs(struct tradeoff_study *study);
 /* Knobs for the functions of shaders and, for those with several, of places in them: `calls` are
  * those of the summary of a run. Says on standard error for which there is no room. */
 void tradeoff_add_call_knobs(struct tradeoff_study *study, const cJSON *calls);
+/* The knob of this key, -1: there is none. */
+int tradeoff_find_knob(const struct tradeoff_study *study, const char *key);
+/* Whether it asks for fast calls in a shader that it replaces by one in fixed-point. */
+bool tradeoff_contradicts(const struct tradeoff_study *study,
+                          const struct tradeoff_setting *setting);
 void tradeoff_finish_knobs(struct tradeoff_study *study);
 /* "samples=4 parameters=half ..."; what differs from the most accurate setting, or "most accurate".
  */
@@ -114,6 +121,11 @@ void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff
  * which is, too. */
 char **tradeoff_arguments(const struct tradeoff_study *study,
                           const struct tradeoff_setting *setting, int *count, char **text);
+
+/* tradeoff_fixed.c: knobs for the shaders of these instances of a summary, as far as they can be
+ * made fixed-point; nothing without options->fixed. False when interrupted. */
+bool tradeoff_add_fixed_knobs(const struct tradeoff_options *options, struct tradeoff_study *study,
+                              const cJSON *instances, struct status *status);
 
 /* tradeoff_run.c: the pictures that errors are measured against; `summary` of the first of `frames`
  * may be NULL. */

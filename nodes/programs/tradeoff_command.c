@@ -36,6 +36,9 @@ static void print_help(void) {
         "  math.SHADER.LINE:COLUMN  exact fast\n"
         "               those called at one place of it; looked at where a shader has several and\n"
         "               is not as good with all of them fast\n"
+        "  fixed.SHADER  float fixed\n"
+        "               variables of one surface shader, with --fixed: shading time against "
+        "digits\n"
         "\n"
         "  -o, --output FOLDER  tradeoff.json, index.html and pictures (default tradeoff); a "
         "folder\n"
@@ -45,6 +48,10 @@ static void print_help(void) {
         "      --max-error E    ... and at most this difference in any channel of any pixel\n"
         "      --max-time MS    choose the most accurate setting that takes at most this long\n"
         "      --reference-samples N  a pixel of the reference (default 64)\n"
+        "      --fixed E        make a version in fixed-point of each surface shader that keeps "
+        "this "
+        "error\n"
+        "                       (sortlast shader --fix), and look at those, too\n"
         "      --runs N         stop after N settings (default 40)\n"
         "      --tune-frames F  frames of the scene to search on, like 1,3-5, counted from 1 "
         "(default 1)\n"
@@ -107,6 +114,8 @@ static bool parse(int argc, char **argv, struct tradeoff_options *o, struct stat
             o->folder = value;
         } else if (!strcmp(name, "--reference-samples")) {
             o->reference_samples = value;
+        } else if (!strcmp(name, "--fixed")) {
+            o->fixed = value;
         } else if (!strcmp(name, "--tune-frames")) {
             o->tune_frames = value;
         } else if (!strcmp(name, "--judge-frames")) {
@@ -285,8 +294,10 @@ static bool explore(const struct tradeoff_options *o, struct tradeoff_study *stu
     if (!tradeoff_make_references(o, &study->tuned, &summary, status))
         return false;
     tradeoff_add_call_knobs(study, cJSON_GetObjectItem(summary, "calls"));
+    const bool ok =
+        tradeoff_add_fixed_knobs(o, study, cJSON_GetObjectItem(summary, "instances"), status);
     cJSON_Delete(summary);
-    return tradeoff_read_json(study, json, status) && search(o, study, json, status) &&
+    return ok && tradeoff_read_json(study, json, status) && search(o, study, json, status) &&
            judge_results(o, study, json, status) && tradeoff_write_json(study, json, status) &&
            tradeoff_write_page(study, page, status);
 }
@@ -299,6 +310,9 @@ static void make_identity(const struct tradeoff_options *o, struct tradeoff_stud
     tradeoff_describe_frames(&study->unseen, judged, sizeof judged);
     size_t used = (size_t)snprintf(study->identity, size, "%s, %s samples, frame %s, judged on %s",
                                    o->scene, o->reference_samples, tuned, judged);
+    if (o->fixed && used < size)
+        used +=
+            (size_t)snprintf(study->identity + used, size - used, ", fixed within %s", o->fixed);
     for (int i = 0; i < o->forwarded_count && used < size; i++)
         used += (size_t)snprintf(study->identity + used, size - used, " %s", o->forwarded[i]);
 }

@@ -26,7 +26,7 @@ void tradeoff_add_table_knobs(struct tradeoff_study *study) {
 #undef KNOB_ADD
 }
 
-static int find_knob(const struct tradeoff_study *study, const char *key) {
+int tradeoff_find_knob(const struct tradeoff_study *study, const char *key) {
     for (int k = 0; k < study->knob_count; k++)
         if (!strcmp(study->knobs[k].key, key))
             return k;
@@ -62,7 +62,7 @@ static void add_call(struct tradeoff_knob *knob, const char *shader, const char 
 
 /* The knob of this key, which is made when it is not there; -1: there is no room. */
 static int get_knob(struct tradeoff_study *study, const char *key, const char *about) {
-    const int found = find_knob(study, key);
+    const int found = tradeoff_find_knob(study, key);
     if (found >= 0 || study->knob_count == TRADEOFF_KNOBS_MAX)
         return found;
     struct tradeoff_knob *knob = &study->knobs[study->knob_count];
@@ -73,8 +73,10 @@ static int get_knob(struct tradeoff_study *study, const char *key, const char *a
 }
 
 static void drop_last_knob(struct tradeoff_study *study) {
-    free(study->knobs[--study->knob_count].calls);
-    study->knobs[study->knob_count].calls = NULL;
+    struct tradeoff_knob *knob = &study->knobs[--study->knob_count];
+    free(knob->calls);
+    free(knob->use);
+    knob->calls = knob->use = NULL;
 }
 
 static void shader_key(const char *shader, char key[KEY_BYTES]) {
@@ -148,6 +150,23 @@ void tradeoff_finish_knobs(struct tradeoff_study *study) {
         drop_last_knob(study);
 }
 
+bool tradeoff_contradicts(const struct tradeoff_study *study,
+                          const struct tradeoff_setting *setting) {
+    for (int f = 0; f < study->knob_count; f++) {
+        if (!study->knobs[f].use || !setting->choice[f])
+            continue;
+        const char *shader = study->knobs[f].key + strlen("fixed.");
+        const size_t length = strlen(shader);
+        for (int k = 0; k < study->knob_count; k++) {
+            const char *key = study->knobs[k].key + strlen("math.");
+            if (study->knobs[k].calls && setting->choice[k] && !strncmp(key, shader, length) &&
+                (!key[length] || key[length] == '.'))
+                return true;
+        }
+    }
+    return false;
+}
+
 void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff_setting *setting,
                        char *text, size_t size) {
     size_t used = 0;
@@ -171,7 +190,12 @@ char **tradeoff_arguments(const struct tradeoff_study *study,
     *count = 0;
     for (int k = 0; k < study->knob_count; k++) {
         const struct tradeoff_knob *knob = &study->knobs[k];
-        if (knob->option) {
+        if (knob->use) {
+            if (setting->choice[k]) {
+                list[(*count)++] = (char *)knob->option;
+                list[(*count)++] = knob->use;
+            }
+        } else if (knob->option) {
             list[(*count)++] = (char *)knob->option;
             list[(*count)++] = (char *)knob->values[setting->choice[k]];
         } else if (setting->choice[k]) {

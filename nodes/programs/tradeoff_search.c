@@ -115,11 +115,13 @@ static bool advance(const struct combinations *c, int *at) {
     return false;
 }
 
-/* Whether it says one thing twice: a place of a shader all of whose functions are fast, or all
- * places of a shader. */
+/* Whether it contradicts itself or says one thing twice: a place of a shader all of whose functions
+ * are fast, or all places of a shader. */
 static bool is_redundant(const struct tradeoff_study *study,
                          const struct tradeoff_setting *setting) {
     int places[TRADEOFF_KNOBS_MAX] = {0}, fast[TRADEOFF_KNOBS_MAX] = {0};
+    if (tradeoff_contradicts(study, setting))
+        return true;
     for (int k = 0; k < study->knob_count; k++) {
         const int shader = study->knobs[k].shader;
         if (shader < 0)

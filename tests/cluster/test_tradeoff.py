@@ -132,6 +132,35 @@ def test_fast_functions_of_one_shader_leave_the_others_exact():
         assert differing > 0
 
 
+def test_shaders_made_fixed_point_are_knobs():
+    with harness.Folder() as folder:
+        os.makedirs(folder.file("shaders"))
+        folder.write("shaders/waves.sl", "surface waves(float count = 6;) {\n    float x = count * s - floor(count * s);\n"
+                     "    Ci = color (x * (1 - x) * 4, t * t, sqrt(x) / (1 + t));\n}\n")
+        folder.write("shaders/plain.sl", "surface plain() { fixed<8,4> x = s; Ci = x; }\n")
+        patch = 'Patch "bilinear" "P" [-1 %g 0 1 %g 0 -1 %g 0 1 %g 0]\n'
+        scene = folder.write("scene.rib", 'Format 48 48 1\nProjection "orthographic"\nTranslate 0 0 1\nWorldBegin\n'
+                             'Surface "waves"\n' + patch % (1, 1, 0, 0) + 'Surface "plain"\n' + patch % (0, 0, -1, -1) +
+                             "WorldEnd\n")
+        arguments = ["tradeoff", scene, "-o", folder.file("study"), *SIZE, "--runs", "6", "--fixed", "4/255"]
+        code, out, err = folder.run(*arguments)
+        assert code == 0, err
+        assert "it has fixed-point numbers already" in err  # plain has no knob, and that is said
+        study = json.load(open(folder.file("study/tradeoff.json")))
+        assert [k["name"] for k in study["knobs"] if k["name"].startswith("fixed.")] == ["fixed.waves"]
+        base = study["results"][0]
+        only = [r for r in study["results"] if [k for k in r["setting"] if r["setting"][k] != base["setting"][k]] == ["fixed.waves"]]
+        assert len(only) == 1 and only[0]["shading_ps"] < base["shading_ps"] and only[0]["max_error"] <= base["max_error"] + 5 / 255
+        # by hand: the file in the study's folder, whatever the scene's own folders have
+        fixed = folder.file("study/fixed/waves.sl")
+        summary = folder.render(scene, "--driver", "in-process", "--samples", "16", "--use", "waves=" + fixed)
+        assert summary["frames"][0]["time_ps"] == only[0]["time_ps"]
+        code, out, err = folder.run("render", scene, "--use", "waves=" + folder.file("none.sl"))
+        assert code == 1 and "scene.rib:5:1: error: cannot open" in err and "none.sl" in err, err
+        code, out, err = folder.run("render", scene, "--use", "waves")
+        assert code == 1 and "--use is NAME=FILE.sl" in err, err
+
+
 ANIMATED = """Format 64 32 1
 FrameBegin 1
 Projection "perspective" "fov" [60]
