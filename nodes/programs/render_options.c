@@ -95,111 +95,6 @@ static const struct option long_options[] = {
     {0},
 };
 
-static void print_help(bool is_host_program) {
-    if (is_host_program)
-        puts("usage: sortlast-host --bind ENDPOINT [options] SCENE.rib\n"
-             "\n"
-             "The host of a cluster whose nodes are started by hand, by script or by a job "
-             "scheduler: waits for\n"
-             "them at ENDPOINT, then renders the scene with them and prints the summary.\n"
-             "\n"
-             "      --bind ENDPOINT        ipc://PATH or tcp://ADDRESS:PORT where the nodes will "
-             "call\n"
-             "      --status-board FD      inherited descriptor of a supervisor's status board\n"
-             "      --supervisor PID       the process that started this one and reports lost "
-             "nodes");
-    else
-        puts("usage: sortlast render [options] SCENE.rib\n"
-             "\n"
-             "Renders a scene on a local cluster and says what the frame would have cost the "
-             "machine.");
-    puts("\n"
-         "Cluster\n"
-         "  -r, --rendering-nodes N    rendering nodes (default 1)\n"
-         "  -s, --shading-nodes N      shading nodes (default 1)\n"
-         "      --machine FILE|NAME    machine description (default pixelflow)\n"
-         "      --composition NAME     how regions come together: chain (default), direct-send, "
-         "binary-swap,\n"
-         "                             radix-k or tree (docs/timing.md)\n"
-         "      --seed N               seed of the distribution of primitives (default 1)\n"
-         "      --chunk-triangles N    triangles dealt out together, 1 to 21845 (default 256)\n"
-         "      --assignment A         regions to shading nodes: round-robin (default) or by-cost\n"
-         "      --costs-from FILE      for by-cost: a record (--record) of the same picture\n"
-         "\n"
-         "Picture\n"
-         "  -o, --output FILE.exr      picture to write; several frames are numbered: %04d in the "
-         "name, or\n"
-         "                             .0001 before the suffix (default: no picture)\n"
-         "      --png                  write a PNG beside it\n"
-         "      --compression C        none, rle, zips, zip or piz (default zip)\n"
-         "      --format WxH           size in pixels (default: the scene's Format)\n"
-         "      --samples N|NxM        samples a pixel: a square number, or across x down "
-         "(default: the\n"
-         "                             scene's PixelSamples)\n"
-         "      --chord PIXELS         how far a diced curve may lie from the true one (default "
-         "0.1)\n"
-         "      --frames N             render N frames; a scene with fewer repeats its last\n"
-         "      --skip N               leave out the first N frames of the scene\n"
-         "      --math MODE            exact (default): accurate functions; fast: the paper's "
-         "faster ones;\n"
-         "                             reference: everything in double precision, to state errors "
-         "against\n"
-         "      --fast-shaders NAMES   these shaders alone (with commas) use the faster functions\n"
-         "      --fast-calls S:L:C,... and these calls: shader, line and column (`sortlast shader` "
-         "lists them)\n"
-         "      --parameters P         of vertices on the composition network: float (default), or "
-         "half:\n"
-         "                             rounded to 16 bits after interpolation\n"
-         "      --shaders FOLDER       look for shaders here too; may be repeated. Before it: the "
-         "scene's\n"
-         "                             folder and its shaders/; after it: $SORTLAST_SHADERS, the "
-         "library\n"
-         "      --use NAME=FILE.sl     this file is the shader NAME, whatever the folders have; "
-         "may be "
-         "repeated\n"
-         "      --link FILE.so         let shaders call the extern \"C\" functions of this object: "
-         "code that runs\n"
-         "                             with your rights (docs/language.md, 13)\n"
-         "\n"
-         "Running\n"
-         "      --driver D             processes (default): every node is one; in-process: all in "
-         "one\n"
-         "      --transport T          ipc (default): sockets in a private folder; tcp: loopback\n"
-         "      --schedule-seed N      in-process: draw the order of events from this seed\n"
-         "      --pace SCALE           run at SCALE times the machine's speed, on the real clock: "
-         "0.01 makes\n"
-         "                             1 ms of simulated time last 100 ms (default: as fast as it "
-         "goes)\n"
-         "      --pace-shaped          with --pace and one rendering node: the network below (tc "
-         "tbf) "
-         "throttles\n"
-         "                             the composition link; messages are filled up to the "
-         "machine's "
-         "size\n"
-         "      --deadline S           longest silence before a node counts as stuck (default 60)\n"
-         "\n"
-         "Output\n"
-         "      --json FILE            write the summary as JSON; - for standard output\n"
-         "      --explain-work         say what was done for each frame, for whom, and what was "
-         "skipped and why\n"
-         "      --explain-time         where simulated time went: critical path, and what every "
-         "node waited for\n"
-         "      --record FILE          keep what every chunk and region cost, for predict, budget "
-         "and trace\n"
-         "  -v, --verbose              say what each node does\n"
-         "  -q, --quiet                only errors\n"
-         "  -h, --help                 this text\n"
-         "\n"
-         "Environment: SORTLAST_CACHE folder of compiled shaders; SORTLAST_CC C compiler; "
-         "SORTLAST_SHADERS more\n"
-         "folders of shaders, separated by colons; SORTLAST_VECTOR_WIDTH 4, 8 or 16 lanes; "
-         "NO_COLOR.\n"
-         "\n"
-         "Exit status: 0 done; 1 the scene, a shader or an option is wrong; 2 something around it "
-         "failed;\n"
-         "3 a node was lost.");
-}
-
 int render_option_values(const char *name) {
     for (const struct option *option = long_options; option->name; option++)
         if (!strcmp(option->name, name))
@@ -599,7 +494,7 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
     memcpy(order, argv, (size_t)argc * sizeof *order);
     while ((option = getopt_long(argc, order, "r:s:o:vqh", long_options, NULL)) != -1) {
         if (option == 'h') {
-            print_help(is_host_program);
+            render_help_print(is_host_program);
             free(order);
             return 1;
         }

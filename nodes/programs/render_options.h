@@ -43,6 +43,8 @@ int render_options_parse(int argc, char **argv, bool is_host_program,
                          struct render_options *options);
 void render_options_finish(struct render_options *options);
 
+/* The text of --help (render_help.c). */
+void render_help_print(bool is_host_program);
 /* How many values a long option of `sortlast render` takes, -1 when it has none of that name. */
 int render_option_values(const char *name);
 
