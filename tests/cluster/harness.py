@@ -17,6 +17,7 @@ BUILD = os.path.abspath(os.environ.get("SORTLAST_BUILD", "build"))
 SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 SORTLAST = os.path.join(BUILD, "sortlast")
 SCENES = os.path.join(SOURCE, "scenes")
+SANITIZED = os.environ.get("SORTLAST_SANITIZED") == "yes"  # everything takes several times as long
 
 
 class Folder:
