@@ -88,23 +88,27 @@ static bool compare(const struct fix_study *study, double outliers,
                     const struct cluster_pictures *a, const struct cluster_pictures *b,
                     struct shader_fix_error *error, struct status *status) {
     *error = (struct shader_fix_error){0};
-    const size_t pixels = a->count ? (size_t)a->images[0]->width * (size_t)a->images[0]->height : 0;
-    struct largest largest = {.capacity = 1 + (size_t)(outliers * (double)(pixels * a->count))};
-    largest.values = memory_get(largest.capacity, sizeof *largest.values);
+    size_t pixels = 0;
     bool ok = a->count == b->count && a->count > 0;
     for (size_t i = 0; ok && i < a->count; i++) {
-        const float *first[3], *second[3];
-        ok = find_colors(a->images[i], first) && find_colors(b->images[i], second) &&
-             a->images[i]->width == b->images[i]->width &&
+        pixels += (size_t)a->images[i]->width * (size_t)a->images[i]->height;
+        ok = a->images[i]->width == b->images[i]->width &&
              a->images[i]->height == b->images[i]->height;
-        for (size_t p = 0; ok && p < pixels; p++) {
-            const double here = pixel_error(first, second, p);
-            keep(&largest, here);
-            error->pixels_beyond += here > study->options->max_error;
+    }
+    struct largest largest = {.capacity = 1 + (size_t)(outliers * (double)pixels)};
+    largest.values = memory_get(largest.capacity, sizeof *largest.values);
+    for (size_t i = 0; ok && i < a->count; i++) {
+        const size_t here = (size_t)a->images[i]->width * (size_t)a->images[i]->height;
+        const float *first[3], *second[3];
+        ok = find_colors(a->images[i], first) && find_colors(b->images[i], second);
+        for (size_t p = 0; ok && p < here; p++) {
+            const double difference = pixel_error(first, second, p);
+            keep(&largest, difference);
+            error->pixels_beyond += difference > study->options->max_error;
         }
     }
     if (ok) {
-        error->pixels = pixels * a->count;
+        error->pixels = pixels;
         error->largest = largest.values[largest.count - 1];
         error->bulk = largest.count == largest.capacity ? largest.values[0] : 0;
     }

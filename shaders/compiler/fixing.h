@@ -64,7 +64,9 @@ struct source_writer {
     struct ir_program *ir;
     struct written *variables; /* by number */
     struct range *ranges;
-    const char **names; /* all in use */
+    const char **names; /* all in use; what each is made from, and the number it has */
+    const char **bases;
+    int *numbers;
     size_t name_count, name_capacity;
     char *text;
     size_t length, capacity; /* in the arena of the compilation */

@@ -189,6 +189,30 @@ static bool fail(struct compilation *c, struct status *status) {
     return false;
 }
 
+/* What was written has to compile: its parameters are copied, and may need what was around them. */
+static bool check_source(const struct shader_compile_options *options,
+                         struct shader_program **program, struct status *status) {
+    struct shader_compile_options plain = *options;
+    struct shader_program *again;
+    struct status failure = {0};
+    plain.writes_source = plain.has_probes = false;
+    plain.fixings = NULL;
+    plain.dump = NULL;
+    plain.fast_calls = (struct shader_fast_calls){0}; /* of other lines */
+    const char *source = (*program)->source;
+    if (shader_compile("(written)", source, strlen(source), &plain, &again, &failure)) {
+        shader_program_destroy(again);
+        return true;
+    }
+    status_fail(status, STATUS_INVALID,
+                "shader %.64s cannot be written as source with other types; parameters that need "
+                "macros or functions of the file cannot be copied:\n%.600s",
+                (*program)->name, failure.message);
+    shader_program_destroy(*program);
+    *program = NULL;
+    return false;
+}
+
 bool shader_compile(const char *file, const char *text, size_t length,
                     const struct shader_compile_options *options, struct shader_program **program,
                     struct status *status) {
@@ -213,9 +237,9 @@ bool shader_compile(const char *file, const char *text, size_t length,
         fail(c, status);
     arena_finish(&c->arena);
     free(c->output);
-    bool result = *program != NULL;
+    const bool is_written = is_done && c->program->source;
     free(c);
-    return result;
+    return is_done && (!is_written || check_source(options, program, status));
 }
 
 void shader_program_destroy(struct shader_program *program) {

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/builtins.h"
 #include "shaders/compiler/fixing.h"
 
 #include <math.h>
@@ -35,6 +36,13 @@ const char *source_component(struct source_writer *w, const struct shader_parame
                              int index) {
     static const char axes[] = "xyz";
     const char *name = parameter->name;
+    if (parameter->is_global && !global_find(name)) {
+        compile_error(w->ir->c, w->ir->c->shader_at,
+                      "this cannot be written as source with other types: option(\"%.64s\")", name);
+        compilation_stop(w->ir->c);
+    }
+    if (parameter->array_length && parameter->type == SHADER_MATRIX)
+        return source_format(w, "comp(%s[%d], %d, %d)", name, index / 16, index / 4 % 4, index % 4);
     if (parameter->array_length) {
         const int width = parameter->components / parameter->array_length;
         return width == 1 ? source_format(w, "%s[%d]", name, index)
@@ -544,6 +552,8 @@ struct piece source_condition(struct source_writer *w, const struct ir_operand *
         return infix(w, PRECEDENCE_EQUAL, other, "==", one);
     }
     const struct written *known = source_variable(w, operand->variable);
+    if (known->is_given)
+        source_refuse(w, known->definition, "a question whether something was given");
     if (!source_is_inlined(w, operand->variable)) /* a condition that was kept as a number */
         return (struct piece){.text = source_format(w, "%s != 0", known->name ? known->name : "0"),
                               .precedence = PRECEDENCE_EQUAL};

@@ -86,8 +86,21 @@ static bool is_given(struct source_writer *w, const struct ir_operand *operand) 
     return operand->kind == OPERAND_VARIABLE && source_variable(w, operand->variable)->is_given;
 }
 
+static int count_definitions(const struct ir_list *list, const struct ir_variable *v) {
+    int count = 0;
+    for (const struct ir_node *node = list ? list->first : NULL; node; node = node->next)
+        count += node->kind == NODE_INSTRUCTION && node->results[0] == v;
+    return count;
+}
+
 /* Values of parameters, by whichever name the IR has for them: if (given) x = BOUND ... */
 static void note_parameters(struct source_writer *w, const struct ir_node *branch) {
+    for (const struct ir_node *node = branch->body->first; node; node = node->next) {
+        const struct ir_variable *v = node->kind == NODE_INSTRUCTION ? node->results[0] : NULL;
+        if (v && source_variable(w, v)->definitions !=
+                     count_definitions(branch->body, v) + count_definitions(branch->otherwise, v))
+            source_refuse(w, node, "a parameter that is assigned to");
+    }
     for (const struct ir_node *node = branch->body->first; node; node = node->next) {
         if (node->kind == NODE_INSTRUCTION && node->operation == IR_ARRAY_STORE)
             source_refuse(w, node, "a parameter that is an array indexed at run time");
@@ -125,11 +138,12 @@ static bool is_predefined(const struct ir_node *node) {
 static void note_alias(struct source_writer *w, const struct ir_node *node) {
     struct written *known = source_variable(w, node->results[0]);
     const struct ir_operand *a = &node->operands[0];
-    if (known->is_fixed)
+    if (known->is_fixed || known->definitions != 1 || !ir_variable_is_settled(node->results[0]))
         return;
     if (is_predefined(node))
         known->alias = source_expression(w, node).text;
-    if (node->operation == IR_SELECT && is_given(w, a))
+    if (node->operation == IR_SELECT && is_given(w, a) &&
+        node->operands[1].kind == OPERAND_VARIABLE)
         known->alias = source_variable(w, node->operands[1].variable)->alias;
     if (source_is_towards_light(w, node))
         known->alias = source_expression(w, node).text;
@@ -214,15 +228,29 @@ static bool is_taken(const struct source_writer *w, const char *name) {
 
 static const char *new_name(struct source_writer *w, const char *base) {
     const char *name = base;
-    for (int i = 2; is_taken(w, name); i++)
-        name = source_format(w, "%s_%d", base, i);
+    int number = 1;
+    for (size_t i = w->name_count; i-- > 0 && number == 1;) /* from the last of this name on */
+        if (w->bases[i] == base || !strcmp(w->bases[i], base))
+            number = w->numbers[i];
+    while (is_taken(w, name))
+        name = source_format(w, "%s_%d", base, ++number);
     if (w->name_count == w->name_capacity) {
         w->name_capacity = w->name_capacity ? 2 * w->name_capacity : 64;
-        const char **grown = compilation_get(w->ir->c, w->name_capacity * sizeof *grown);
-        if (w->name_count)
-            memcpy(grown, w->names, w->name_count * sizeof *grown);
-        w->names = grown;
+        const size_t bytes = w->name_capacity * sizeof(char *);
+        const char **names = compilation_get(w->ir->c, bytes),
+                   **bases = compilation_get(w->ir->c, bytes);
+        int *numbers = compilation_get(w->ir->c, w->name_capacity * sizeof *numbers);
+        if (w->name_count) {
+            memcpy(names, w->names, w->name_count * sizeof *names);
+            memcpy(bases, w->bases, w->name_count * sizeof *bases);
+            memcpy(numbers, w->numbers, w->name_count * sizeof *numbers);
+        }
+        w->names = names;
+        w->bases = bases;
+        w->numbers = numbers;
     }
+    w->bases[w->name_count] = base;
+    w->numbers[w->name_count] = number;
     return w->names[w->name_count++] = name;
 }
 
@@ -394,6 +422,14 @@ static void write_block(struct source_writer *w, const struct ir_list *list) {
 /* while (condition): what has to be computed for the condition is written before the loop and again
  * at its end. */
 static void write_loop(struct source_writer *w, const struct ir_node *node) {
+    for (const struct ir_node *inner = node->test->first; inner; inner = inner->next) {
+        const struct ir_variable *v = inner->kind == NODE_INSTRUCTION ? inner->results[0] : NULL;
+        const bool is_condition =
+            v && node->condition.kind == OPERAND_VARIABLE && node->condition.variable == v;
+        if (!v || source_variable(w, v)->definitions != 1 || v->home != node->test ||
+            (v->is_read_early && !is_condition))
+            source_refuse(w, inner, "the condition of a loop that takes more than expressions");
+    }
     for (const struct ir_variable *v = node->test->variables; v; v = v->next_in_home)
         source_variable(w, v)->is_early = true;
     declare(w, node->test);
@@ -448,25 +484,56 @@ static void write_list(struct source_writer *w, const struct ir_list *list) {
             write_control(w, node);
 }
 
+/* Past a comment or a string that begins here; the same place when none does. */
+static const char *skip_quiet(const char *at) {
+    if (at[0] == '/' && at[1] == '*') {
+        const char *end = strstr(at + 2, "*/");
+        return end ? end + 2 : at + strlen(at);
+    }
+    if (at[0] == '/' && at[1] == '/')
+        return at + strcspn(at, "\n");
+    if (*at != '"')
+        return at;
+    for (at++; *at && *at != '"'; at++)
+        at += at[0] == '\\' && at[1];
+    return at + (*at == '"');
+}
+
 /* From the parenthesis after the shader's name to the one that ends its parameters. */
 static const char *parameter_list(struct source_writer *w) {
     const struct source_location *at = w->ir->c->shader_at;
-    const char *begin = strchr(at->line_text + at->column - 1, '('), *end = begin;
+    const char *begin = NULL;
     int depth = 0;
-    for (; end && *end; end++) {
-        if (!strncmp(end, "/*", 2) && strstr(end + 2, "*/"))
-            end = strstr(end + 2, "*/") + 1;
-        else if (*end == '"')
-            end += 1 + strcspn(end + 1, "\"\n");
-        else if (*end == '#')
-            break;
-        else if (*end == '(')
-            depth++;
-        else if (*end == ')' && !--depth)
-            return source_format(w, "%.*s", (int)(end + 1 - begin), begin);
+    for (const char *end = at->line_text + at->column - 1; *end && *end != '#' && *end != '{';) {
+        const char *next = skip_quiet(end);
+        if (next == end) {
+            if (*end == '(' && !depth++)
+                begin = end;
+            if (*end == ')' && !--depth)
+                return source_format(w, "%.*s", (int)(end + 1 - begin), begin);
+            next++;
+        }
+        end = next;
     }
     compile_error(w->ir->c, at, "its parameters are not written out here: they cannot be copied");
     compilation_stop(w->ir->c);
+}
+
+/* What has the name of something predefined would be taken for it where inlined code means that. */
+static void refuse_hidden(struct source_writer *w) {
+    const struct shader_program *program = w->ir->c->program;
+    for (int i = 0; i < program->parameter_count; i++) {
+        const struct shader_parameter *p = &program->parameters[i];
+        const struct source_location *shader = w->ir->c->shader_at;
+        const struct source_location at = {shader->file, NULL, p->line, p->column};
+        if (p->is_global || !global_find(p->name))
+            continue;
+        compile_error(w->ir->c, &at,
+                      "this cannot be written as source with other types: parameter %.64s hides a "
+                      "predefined variable",
+                      p->name);
+        compilation_stop(w->ir->c);
+    }
 }
 
 static void describe_variables(struct source_writer *w) {
@@ -511,6 +578,7 @@ void pass_source(struct ir_program *ir) {
     if (ir->c->error_count)
         return;
     struct source_writer writer = {.ir = ir, .indent = 1}, *w = &writer;
+    refuse_hidden(w);
     w->variables = compilation_get(ir->c, (ir->variable_count + 1) * sizeof *w->variables);
     ir_prepare_propagation(ir);
     w->ranges = fixing_ranges(ir);
