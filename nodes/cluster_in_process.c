@@ -42,7 +42,7 @@ static bool load_shader(void *context, const char *name, const char *c_source,
     struct keeping *keeping = context;
     if (!keeping->inner->load_shader(keeping->inner->context, name, c_source, module, status))
         return false;
-    if (keeping->pictures->probed && !strcmp(keeping->pictures->probed, name))
+    if (keeping->pictures->probed && !strcmp(keeping->pictures->probed, c_source))
         keeping->pictures->module = (struct shader_module *)*module;
     return true;
 }

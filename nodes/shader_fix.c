@@ -219,6 +219,11 @@ static bool run(struct search *search, struct shader_fix_result *result, struct 
         !fix_study_check(study, NULL, &result->error_before, status) ||
         !list_candidates(search, status) || !find(search, result, status))
         return false;
+    if (result->after.time >= result->before.time)
+        return status_fail(
+            status, STATUS_INVALID,
+            "%s: fixed-point gains nothing here: conversions cost more than it saves",
+            search->options->path);
     result->renderings = study->renderings;
     return true;
 }

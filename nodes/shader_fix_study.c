@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* "bricks" of ".../bricks.sl" */
@@ -60,11 +61,14 @@ static void keep(struct largest *largest, double value) {
     largest->values[at] = value;
 }
 
-/* The largest difference of a colour of the pixel; infinite where one is not finite. */
+/* The largest difference of a colour of the pixel; infinite where one is not finite, but not where
+ * both are not. */
 static double pixel_error(const float *const a[3], const float *const b[3], size_t pixel) {
     double error = 0;
     for (int c = 0; c < 3; c++) {
         const double difference = fabs((double)a[c][pixel] - (double)b[c][pixel]);
+        if (!isfinite(a[c][pixel]) && !isfinite(b[c][pixel]))
+            continue;
         if (!isfinite(difference))
             return INFINITY;
         error = fmax(error, difference);
@@ -116,11 +120,12 @@ static bool compare(const struct fix_study *study, double outliers,
     return ok || status_fail(status, STATUS_INTERNAL, "pictures that cannot be compared");
 }
 
-/* Which parameters come with the primitives where the scene uses the shader. */
+/* Which parameters come with the primitives where the scene uses the shader by itself. */
 static bool find_material(struct fix_study *study, const struct frame_plan *plan) {
     for (size_t i = 0; i < plan->instance_count; i++) {
-        const struct shader_program *program = plan->instances[i].variant->program;
-        if (strcmp(plan->instances[i].variant->name, study->name))
+        const struct shader_variant *variant = plan->instances[i].variant;
+        const struct shader_program *program = variant->program;
+        if (strcmp(variant->name, study->name) || variant->has_companions)
             continue;
         for (int p = 0; p < program->parameter_count; p++)
             if (program->parameters[p].is_material && study->material_count < FIX_MATERIAL_MAX)
@@ -157,9 +162,11 @@ static bool read_scene(struct fix_study *study, struct status *status) {
         frame = NULL;
     }
     rib_reader_destroy(reader);
-    return ok && (is_found || status_fail(status, STATUS_INVALID,
-                                          "%s: no surface of the scene has the shader \"%s\"",
-                                          rendering->scene, study->name));
+    return ok &&
+           (is_found || status_fail(status, STATUS_INVALID,
+                                    "%s: no surface of the scene has the shader \"%s\" by itself, "
+                                    "without displacement and volume shaders",
+                                    rendering->scene, study->name));
 }
 
 static struct shader_wanted wanted(struct fix_study *study) {
@@ -238,14 +245,23 @@ static bool look(struct fix_study *study, struct status *status) {
     const struct shader_precision reference = {.reference_math = true};
     if (!render(study, false, false, &reference, &study->reference, status))
         return false;
-    study->floats.probed = study->program->name;
-    if (!render(study, true, false, NULL, &study->floats, status))
+    const struct shader_wanted shader = wanted(study);
+    const struct shader_compile_options extra = {.has_probes = true};
+    struct shader_program *program;
+    if (!shader_library_compile(study->library, &shader, &extra, &program, status))
+        return false;
+    study->floats.probed = program->c_source; /* of several variants the one looked at */
+    const bool ok = render(study, true, false, NULL, &study->floats, status);
+    shader_program_destroy(program);
+    study->floats.probed = NULL;
+    if (!ok)
         return false;
     study->module = study->floats.module;
     if (!study->module || study->module->probe_count < study->program->variable_count)
-        return status_fail(status, STATUS_INVALID,
-                           "%s: nothing of the frames shows the shader \"%s\"",
-                           study->options->rendering->scene, study->name);
+        return status_fail(
+            status, STATUS_INVALID,
+            "%s: nothing of the frames shows the shader \"%s\" (--frames looks at more)",
+            study->options->rendering->scene, study->name);
     return true;
 }
 
@@ -282,7 +298,8 @@ static bool begin(struct fix_study *study, struct status *status) {
         return false;
     }
     study->services = local_services_create(&study->trace, study->options->stop);
-    if (!access(study->options->path, F_OK)) /* otherwise a name, for the folders */
+    struct stat file; /* otherwise a name, for the folders */
+    if (!stat(study->options->path, &file) && !S_ISDIR(file.st_mode))
         study->original = name_file(study->name, study->options->path);
     snprintf(path, sizeof path, "%s/%s.sl", study->folder, study->name);
     study->written = name_file(study->name, path);

@@ -311,8 +311,8 @@ bool shader_library_variant(struct shader_library *library, const struct shader_
         const char *const names[3] = {wanted->name, wanted->displacement, wanted->atmosphere};
         for (int n = 0; n < 3; n++)
             found->names[n] = names[n] ? memory_copy_string(names[n]) : NULL;
-        found->variant =
-            (struct shader_variant){(uint32_t)library->count, found->names[0], program};
+        found->variant = (struct shader_variant){(uint32_t)library->count, found->names[0],
+                                                 names[1] || names[2], program};
         found->key = key;
         key = NULL;
         library->entries = memory_grow(library->entries, &library->capacity, library->count + 1,

@@ -13,8 +13,9 @@
 struct shader_library;
 
 struct shader_variant {
-    uint32_t number;  /* counts variants from 0 */
-    const char *name; /* of its main shader, as the scene has it */
+    uint32_t number;     /* counts variants from 0 */
+    const char *name;    /* of its main shader, as the scene has it */
+    bool has_companions; /* displacement or volume shaders run with it */
     const struct shader_program *program;
 };
 

@@ -166,8 +166,7 @@ static const struct option long_options[] = {{"material", 1, NULL, KEY_MATERIAL}
                                              {"help", 0, NULL, 'h'},
                                              {NULL, 0, NULL, 0}};
 
-/* "2/255" or "0.01" */
-static bool parse_error_bound(const char *text, double *bound) {
+bool shader_error_bound(const char *text, double *bound) {
     char *end;
     *bound = strtod(text, &end);
     if (end != text && *end == '/') {
@@ -182,7 +181,7 @@ static bool parse_error_bound(const char *text, double *bound) {
 static bool parse_share(const char *text, double *share) {
     char *end;
     *share = strtod(text, &end);
-    return end != text && !*end && *share >= 0 && *share <= 0.1;
+    return end != text && !*end && *share >= 0 && *share <= 0.01;
 }
 
 static bool parse_count(const char *text, int most, int *count) {
@@ -254,13 +253,13 @@ static int take_option(struct shader_options *o, int key) {
     case KEY_FIX:
         return o->fix_scene = optarg, -1;
     case KEY_MAX_ERROR:
-        return parse_error_bound(optarg, &o->max_error)
+        return shader_error_bound(optarg, &o->max_error)
                    ? -1
                    : usage("--max-error is above 0 and at most 1, as 0.01 or 2/255, not ", optarg);
     case KEY_OUTLIERS:
         return parse_share(optarg, &o->outliers)
                    ? -1
-                   : usage("--outliers is from 0 to 0.1, not ", optarg);
+                   : usage("--outliers is from 0 to 0.01, not ", optarg);
     case KEY_FRAMES:
         return parse_count(optarg, 1000000, &o->frames)
                    ? -1

@@ -12,6 +12,9 @@
 /* The verb `sortlast shader`: what one shader costs the hardware, its picture without a cluster. */
 int shader_main(int argc, char **argv);
 
+/* A bound of errors, "2/255" or "0.01": above 0 and at most 1. */
+bool shader_error_bound(const char *text, double *bound);
+
 /* `sortlast shader --fix` */
 struct shader_fix_request {
     struct shader_fix_options fix; /* path and max_error; the rest is filled in */

@@ -50,11 +50,12 @@ static char *shader_name_of(const char *path) {
 
 /* The shader under the name of its file, with a word about where it comes from. */
 static char *file_text(const struct shader_fix_request *request,
-                       const struct shader_fix_result *result) {
+                       const struct shader_fix_result *result, bool is_renamed) {
     char *text;
     size_t size;
     FILE *stream = open_memstream(&text, &size);
-    char *name = strcmp(request->output, "-") ? shader_name_of(request->output) : NULL;
+    char *name =
+        is_renamed && strcmp(request->output, "-") ? shader_name_of(request->output) : NULL;
     const char *rest = strchr(result->source, '(');
     const char *path = request->fix.path, *slash = strrchr(path, '/');
     fprintf(
@@ -72,6 +73,15 @@ static char *file_text(const struct shader_fix_request *request,
     free(name);
     fclose(stream);
     return text;
+}
+
+static bool compiles(const char *text) {
+    struct shader_program *program;
+    struct status status = {0};
+    const bool ok = shader_compile("(fixed-point)", text, strlen(text), NULL, &program, &status);
+    if (ok)
+        shader_program_destroy(program);
+    return ok;
 }
 
 /* --- Table. --- */
@@ -182,7 +192,11 @@ bool shader_fix_command(struct shader_fix_request *request, struct status *statu
         return false;
     const bool is_quiet =
         !strcmp(request->output, "-") || (request->json && !strcmp(request->json, "-"));
-    char *text = file_text(request, &result);
+    char *text = file_text(request, &result, true);
+    if (!compiles(text)) { /* the file is called like a word of the language */
+        free(text);
+        text = file_text(request, &result, false);
+    }
     ok = text_write_file(request->output, text, "the shader", status);
     free(text);
     if (ok && !is_quiet) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/programs/program_process.h"
+#include "nodes/programs/shader_command.h"
 #include "nodes/programs/tradeoff.h"
 
 #include <errno.h>
@@ -115,7 +116,12 @@ static bool parse(int argc, char **argv, struct tradeoff_options *o, struct stat
         } else if (!strcmp(name, "--reference-samples")) {
             o->reference_samples = value;
         } else if (!strcmp(name, "--fixed")) {
+            double bound;
             o->fixed = value;
+            if (!shader_error_bound(value, &bound))
+                return status_fail(status, STATUS_INVALID,
+                                   "--fixed is above 0 and at most 1, as 0.01 or 2/255, not %s",
+                                   value);
         } else if (!strcmp(name, "--tune-frames")) {
             o->tune_frames = value;
         } else if (!strcmp(name, "--judge-frames")) {

@@ -67,7 +67,10 @@ bool tradeoff_add_fixed_knobs(const struct tradeoff_options *o, struct tradeoff_
     char folder[PATH_BYTES], path[PATH_BYTES + 128], key[KEY_BYTES];
     if (!o->fixed)
         return true;
-    snprintf(folder, sizeof folder, "%s/fixed", o->folder);
+    const int used = snprintf(folder, sizeof folder, "%s/fixed-%s", o->folder, o->fixed);
+    for (int i = (int)strlen(o->folder) + 1; i < used && folder[i];
+         i++) /* a folder for each bound */
+        folder[i] = folder[i] == '/' ? '_' : folder[i];
     if (mkdir(folder, 0777) && errno != EEXIST)
         return status_fail(status, STATUS_IO, "cannot make the folder %s: %s", folder,
                            strerror(errno));

@@ -49,6 +49,56 @@ def test_the_source_that_is_written_computes_the_same_bits():
             assert code == 0, "%s: %s" % (name, out)
 
 
+# what has been written wrongly once, or must be refused: the message
+NASTY = {
+    "copies": ("surface copies() { float x = s; if (t > 0.5) x = 0.2; Ci = x; }", None),
+    "lights": ("surface lights() { color sum = 0; illuminance (P) { vector l = L; if (s > 0.5) l = -l; color c = Cl; "
+               "if (t > 0.5) c = c * s; sum += c * (normalize(l) . N); } Ci = sum; }", None),
+    "last": ("surface last() { vector l = 0; illuminance (P) { l = L; } Ci = color (l); }", None),
+    "loops": ("surface loops() { float i, j, n = 0; for (i = 0; i < 6; i += 1) for (j = 0; j < 6; j += 1) { "
+              "if (i * j > 8 * s) continue 2; if (t < 0.2) break; n += noise(i * s, j); } Ci = n / 9; }", None),
+    "comments": ('surface comments /* (a) */ (float k = 0.5; // x) y\n string a = "x\\")(";) { Ci = k * s; }', None),
+    "option": ('surface option() { float f[3] = {0, 0, 0}; float x = option("Format", f); Ci = color (f[0] / 1000, x, s); }',
+               "cannot be written"),
+    "loop": ("float f(float x) { float w[2]; w[x * s] += 0.5 + x * 0.1; return w[0] + w[1]; }\n"
+             "surface loop() { float i = 0; while (f(i) < 0.5 + t * 0.4 && i < 10) i += 1; Ci = i / 10; }",
+             "the condition of a loop"),
+    "hides": ("float g() { return s; } surface hides(float s = 0.25;) { Ci = s + g(); }", "hides a predefined variable"),
+    "macro": ("#define K 3\nsurface macro(float k = K;) { Ci = k * s; }", "macros or functions"),
+}
+
+
+def test_nasty_shaders_are_written_right_or_refused():
+    with harness.Folder() as folder:
+        for name, (text, refusal) in NASTY.items():
+            path = folder.write(name + ".sl", text)
+            code, out, err = folder.run("shader", path, "--source")
+            if refusal:
+                assert code == 1 and refusal in err, (name, code, err)
+                continue
+            assert code == 0, (name, err)
+            again = folder.write(name + "_again.sl", out)
+            for source in (path, again):
+                code, _, err = folder.run("shader", source, "--render", "--format", "32x32", "-o", source + ".exr")
+                assert code == 0, (name, err)
+            code, report, err = folder.run("compare", path + ".exr", again + ".exr")
+            assert code == 0, (name, report, out)
+
+
+def test_one_of_several_variants_is_looked_at_and_frames_may_differ_in_size():
+    with harness.Folder() as folder:
+        shader = folder.write("stripes.sl", STRIPES)
+        os.makedirs(folder.file("scene"))
+        patch = 'Patch "bilinear" "P" [-1 %g 0 1 %g 0 -1 %g 0 1 %g 0]'
+        world = 'Projection "orthographic"\nTranslate 0 0 1\nWorldBegin\n%s\nWorldEnd\n'
+        two = 'Surface "stripes" "uniform float count" [3]\n' + patch % (1, 1, 0, 0) + '\nSurface "stripes"\n' + \
+            patch % (0, 0, -1, -1) + ' "varying float count" [3 3 5 5]'
+        scene = folder.write("scene/two.rib", "FrameBegin 1\nFormat 64 64 1\n" + world % two + "FrameEnd\n"
+                             "FrameBegin 2\nFormat 32 32 1\n" + world % two + "FrameEnd\n")
+        _, report, _ = fix(folder, shader, scene, "--frames", "2", "--outliers", "0.001")
+        assert report["after"]["error"] <= 2 / 255
+
+
 def fix(folder, shader, scene, *arguments):
     output, report = folder.file("fixed.sl"), folder.file("fix.json")
     code, out, err = folder.run("shader", shader, "--fix", scene, "-o", output, "--json", report, *arguments)

@@ -153,7 +153,7 @@ def test_shaders_made_fixed_point_are_knobs():
         assert len(only) == 1 and only[0]["shading_ps"] < base["shading_ps"], study["results"]
         assert only[0]["max_error"] <= base["max_error"] + 5 / 255
         # by hand: the file in the study's folder, whatever the scene's own folders have
-        fixed = folder.file("study/fixed/waves.sl")
+        fixed = folder.file("study/fixed-4_255/waves.sl")
         summary = folder.render(scene, "--driver", "in-process", "--samples", "16", "--use", "waves=" + fixed)
         assert summary["frames"][0]["time_ps"] == only[0]["time_ps"]
         code, out, err = folder.run("render", scene, "--use", "waves=" + folder.file("none.sl"))
