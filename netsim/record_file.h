@@ -11,9 +11,11 @@
  * numbers (seven bits a byte, least first, high bit: more follow), signed ones folded (0, -1, 1, -2
  * ...), and strings (length, bytes, zero):
  *
- *   scene, seed, triangles of a chunk, fast math; machine: name, count, (parameter, value)...;
- * operations: count, names frames: count, each number, width, height, samples across and down,
- * geometry bytes by cause three sections, each 0: as in the frame before, or 1 and its contents
+ *   scene, seed, triangles of a chunk, fast math
+ *   machine: name, count, (parameter, value)...; operations: count, names
+ *   frames: count, each
+ *     number, width, height, samples across and down, geometry bytes by cause
+ *     three sections, each 0: as in the frame before, or 1 and its contents
  *       shaders: instances (name, shader, bound bytes, parameters (name, floats, use,
  *         geometric)), lights
  *       chunks: (instance, vertices, 2 triangles + begins a run, sharing (distance, vertices))

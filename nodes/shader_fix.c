@@ -7,21 +7,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All variables begin with the largest size. Then as many as possible are made a byte shorter, and
- * again, all that are chosen rounded together in each trial: first all at once, and where that is
- * too much, halves of them and halves of these. The bound is given out in portions, so that no
- * variable takes all of it because it came first. Then variables whose conversions cost more than
- * they save go back to floats, and the shader is written and rendered. */
+/* All variables begin as floats. Then as many as possible take the largest size, and as many of
+ * those the next, all that are chosen rounded together in each trial: first all at once, and where
+ * that is too much, halves of them and halves of these. The bound is given out in portions, so that
+ * no variable takes all of it because it came first. Then variables whose conversions cost more
+ * than they save go back to floats, and the shader is written and rendered. */
 
-static const int sizes[] = {8, 16, 24, 32}; /* pixel memory and prices go by whole bytes */
-/* What part of the bound roundings to each may use up. The last step saves least. */
-static const double portions[] = {0.9, 0.5, 0.4};
-enum { SIZE_COUNT = sizeof sizes / sizeof *sizes, CHECKS_MAX = 4 };
+static const struct {
+    int size;       /* pixel memory and prices go by whole bytes; 0: a float */
+    double portion; /* of the bound, that roundings up to this step may use up */
+} steps[] = {{0, 0}, {32, 0.3}, {24, 0.4}, {16, 0.5}, {8, 0.9}};
+enum { STEP_COUNT = sizeof steps / sizeof *steps, CHECKS_MAX = 4 };
 
 struct candidate {
     int variable; /* number in the program */
     int exponent; /* bits after the point with size 0 */
     bool is_tried;
+    int size_before;
 };
 
 struct search {
@@ -91,10 +93,11 @@ static bool try_all(struct search *search, double *error, struct status *status)
     return true;
 }
 
-/* Makes as many of candidates first to end - 1 a step shorter as the limit allows. */
-static bool shorten(struct search *search, size_t first, size_t end, int step, double limit,
+/* Takes as many of candidates first to end - 1 from the step before to this one as it allows. */
+static bool shorten(struct search *search, size_t first, size_t end, int step,
                     struct status *status) {
-    const int from = sizes[step], to = sizes[step - 1];
+    const int from = steps[step - 1].size, to = steps[step].size;
+    const double limit = steps[step].portion * search->bound;
     double error;
     size_t changed = 0;
     for (size_t i = first; i < end; i++) {
@@ -113,16 +116,16 @@ static bool shorten(struct search *search, size_t first, size_t end, int step, d
     if (error <= limit || end - first == 1)
         return true;
     const size_t middle = first + (end - first) / 2;
-    return shorten(search, first, middle, step, limit, status) &&
-           shorten(search, middle, end, step, limit, status);
+    return shorten(search, first, middle, step, status) &&
+           shorten(search, middle, end, step, status);
 }
 
 static bool choose_sizes(struct search *search, struct status *status) {
     for (size_t i = 0; i < search->count; i++)
-        search->fixings[search->candidates[i].variable].size = sizes[SIZE_COUNT - 1];
-    for (int step = SIZE_COUNT - 1; step > 0; step--) {
-        report(search, SHADER_FIX_ROUNDING, (size_t)(SIZE_COUNT - 1 - step), SIZE_COUNT - 1);
-        if (!shorten(search, 0, search->count, step, portions[step - 1] * search->bound, status))
+        search->fixings[search->candidates[i].variable].size = 0;
+    for (int step = 1; step < STEP_COUNT; step++) {
+        report(search, SHADER_FIX_ROUNDING, (size_t)step - 1, STEP_COUNT - 1);
+        if (!shorten(search, 0, search->count, step, status))
             return false;
     }
     return true;
@@ -139,26 +142,43 @@ static bool price(struct search *search, ticks *time, struct status *status) {
     return ok;
 }
 
-/* Makes each variable a float for once, and leaves it so where that is cheaper: conversions cost an
- * addition of floats. */
+/* Makes candidates first to end - 1 floats and leaves them so where that is cheaper than `best`. */
+static bool try_floats(struct search *search, size_t first, size_t end, ticks *best,
+                       struct status *status) {
+    bool has_changed = false;
+    ticks time;
+    for (size_t i = first; i < end; i++) {
+        struct shader_fixing *fixing = &search->fixings[search->candidates[i].variable];
+        search->candidates[i].size_before = fixing->size;
+        has_changed |= fixing->size != 0;
+        fixing->size = 0;
+    }
+    if (!has_changed)
+        return true;
+    if (!price(search, &time, status))
+        return false;
+    for (size_t i = first; i < end && time >= *best; i++)
+        search->fixings[search->candidates[i].variable].size = search->candidates[i].size_before;
+    *best = time < *best ? time : *best;
+    return true;
+}
+
+/* Conversions cost an addition of floats. What is gained by floats may show only where neighbours
+ * become floats together, so after single variables twos are tried, fours, and so on to all. */
 static bool drop_what_costs(struct search *search, struct status *status) {
+    const size_t count = search->count;
+    size_t group = 1, done = 0;
     ticks best;
     if (!price(search, &best, status))
         return false;
-    for (size_t i = 0; i < search->count; i++) {
-        struct shader_fixing *fixing = &search->fixings[search->candidates[i].variable];
-        const int size = fixing->size;
-        ticks time;
-        report(search, SHADER_FIX_CHOOSING, i, search->count);
-        if (!size)
-            continue;
-        fixing->size = 0;
-        if (!price(search, &time, status))
-            return false;
-        if (time < best)
-            best = time;
-        else
-            fixing->size = size;
+    for (bool is_last = false; count && !is_last; group *= 2) {
+        is_last = group >= count;
+        for (size_t first = 0; first < count; first += group) {
+            const size_t end = count - first < group ? count : first + group;
+            report(search, SHADER_FIX_CHOOSING, done++, 2 * count);
+            if (!try_floats(search, first, end, &best, status))
+                return false;
+        }
     }
     return true;
 }
@@ -172,10 +192,8 @@ static void describe(const struct search *search, struct shader_fix_result *resu
         const struct shader_variable *known = &program->variables[candidate->variable];
         const struct shader_fixing *fixing = &search->fixings[candidate->variable];
         struct shader_fix_variable *variable = &result->variables[i];
-        *variable = (struct shader_fix_variable){.line = known->line,
-                                                 .is_seen = fixing->is_seen,
-                                                 .lowest = fixing->lowest,
-                                                 .highest = fixing->highest};
+        *variable = (struct shader_fix_variable){
+            .line = known->line, .lowest = fixing->lowest, .highest = fixing->highest};
         snprintf(variable->name, sizeof variable->name, "%s", known->name);
         if (fixing->size)
             variable->format = known->format;
@@ -186,9 +204,15 @@ static void describe(const struct search *search, struct shader_fix_result *resu
 static bool find(struct search *search, struct shader_fix_result *result, struct status *status) {
     double least = INFINITY;
     search->bound = search->options->max_error - result->error_before.bulk;
+    if (!(search->bound > 0))
+        return status_fail(status, STATUS_INVALID,
+                           "%s: floats are not within %g of double precision themselves: their "
+                           "error is %g, and %llu pixels are further off than allowed",
+                           search->options->path, search->options->max_error,
+                           result->error_before.bulk,
+                           (unsigned long long)result->error_before.pixels_beyond);
     search->exaggeration = 2;
-    for (int i = 0; i < CHECKS_MAX && search->bound > 0;
-         i++, search->bound /= 2, search->exaggeration++) {
+    for (int i = 0; i < CHECKS_MAX; i++, search->bound /= 2, search->exaggeration++) {
         struct shader_program *program;
         if (!choose_sizes(search, status) || !drop_what_costs(search, status) ||
             !fix_study_write(search->study, search->fixings, &program, status))

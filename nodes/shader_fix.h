@@ -45,7 +45,6 @@ struct shader_fix_cost {
 struct shader_fix_variable {
     char name[48]; /* the user's, or "" */
     int line;
-    bool is_seen;
     float lowest, highest;
     struct fixed_format format; /* size 0: stays a float */
 };
@@ -59,9 +58,9 @@ struct shader_fix_result {
     int renderings; /* made on the way */
 };
 
-/* Fails with STATUS_INVALID, naming the least error it reached, when the bound cannot be met; with
- * the compiler's words when the shader is not a surface shader, is not in the scene, or has what
- * cannot be written. */
+/* Fails with STATUS_INVALID, naming the least error it reached, when the bound cannot be met, and
+ * when the shader would not become cheaper; with the compiler's words when it is not a surface
+ * shader, is not in the scene, or has what cannot be written. */
 bool shader_fix(const struct shader_fix_options *options, struct shader_fix_result *result,
                 struct status *status);
 void shader_fix_result_finish(struct shader_fix_result *result);

@@ -19,19 +19,20 @@ static void name_of_file(const char *path, char name[FIX_NAME_BYTES]) {
     snprintf(name, FIX_NAME_BYTES, "%.*s", (int)(has_suffix ? length - 3 : length), begin);
 }
 
-/* `is_small`: a trial, whose precision is that of its library. `writes`: with the shader that was
- * written instead of the original. */
+/* `is_small`: of the size of trials. `writes`: with the shader that was written instead of the
+ * original. Without a precision: with probes, which is that of a library. */
 static bool render(struct fix_study *study, bool is_small, bool writes,
                    const struct shader_precision *precision, struct cluster_pictures *pictures,
                    struct status *status) {
     struct host_options host = *study->options->rendering;
     if (is_small) {
-        host.library = study->probed;
         host.reading.width = study->width;
         host.reading.height = study->height;
     }
     if (precision)
         host.precision = *precision;
+    else
+        host.library = study->probed;
     host.precision.files = (const char *const *)(writes ? &study->written : &study->original);
     host.precision.file_count = writes || study->original;
     study->renderings++;
@@ -251,7 +252,10 @@ static bool look(struct fix_study *study, struct status *status) {
     if (!shader_library_compile(study->library, &shader, &extra, &program, status))
         return false;
     study->floats.probed = program->c_source; /* of several variants the one looked at */
-    const bool ok = render(study, true, false, NULL, &study->floats, status);
+    struct cluster_pictures large = {0};      /* only for the values that variables have in it */
+    const bool ok = render(study, true, false, NULL, &study->floats, status) &&
+                    render(study, false, false, NULL, &large, status);
+    cluster_pictures_finish(&large);
     shader_program_destroy(program);
     study->floats.probed = NULL;
     if (!ok)

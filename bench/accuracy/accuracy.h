@@ -6,6 +6,9 @@
 
 #include <stdint.h>
 
+/* Runs work(argument) on this thread and as many others as are wanted, up to 63, and waits. */
+void run_on_threads(int threads, void *(*work)(void *), void *argument);
+
 /* What a sweep of one function over all floats, or a measurement of pairs, found. */
 struct sweep_result {
     double ulp_max; /* infinite where a NaN or infinity is wrong */

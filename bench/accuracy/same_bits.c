@@ -4,7 +4,6 @@
 #include "base/hash.h"
 
 #include <inttypes.h>
-#include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -89,14 +88,7 @@ static void *work(void *argument) {
 
 static uint64_t hash_function(const struct vector_function *function, int threads) {
     struct run run = {.function = function};
-    pthread_t others[64];
-    int started = 0;
-    while (started < threads - 1 && started < 64 &&
-           pthread_create(&others[started], NULL, work, &run) == 0)
-        started++;
-    work(&run);
-    for (int i = 0; i < started; i++)
-        pthread_join(others[i], NULL);
+    run_on_threads(threads, work, &run);
     return hash_bytes(run.hashes, sizeof run.hashes, 0);
 }
 

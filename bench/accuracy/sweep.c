@@ -134,14 +134,7 @@ void sweep_function(const struct vector_function *function, int with_errors, uin
     if (!sweep.block_hashes)
         abort();
     clock_gettime(CLOCK_MONOTONIC, &start);
-    pthread_t others[64];
-    int started = 0;
-    while (started < threads - 1 && started < 64 &&
-           pthread_create(&others[started], NULL, work, &sweep) == 0)
-        started++;
-    work(&sweep);
-    for (int i = 0; i < started; i++)
-        pthread_join(others[i], NULL);
+    run_on_threads(threads, work, &sweep);
     clock_gettime(CLOCK_MONOTONIC, &end);
     sweep.result.is_monotone = sweep.reference && sweep.reference->monotone;
     *result = sweep.result;

@@ -91,11 +91,10 @@ static bool write_shader(const struct calibration *c, const char *name, const ch
 }
 
 /* A picture of which all is covered: 4 x 4 regions by two triangles, or 10 x 16, as many as caches
- * have to hold of real ones, by a sphere, diced as spheres are. A sliver seen from its edge makes
- * visibility look twice along each ray, as the silhouette of any curved surface does. */
+ * have to hold of real ones, by a sphere, diced as spheres are. */
 static char *make_scene(const struct calibration *c, const char *shader, bool is_curved) {
     static const char flat[] = "Polygon \"P\" [-2 -2 2 2 -2 2 2 2 2 -2 2 2] \"s\" [0 1 1 0] "
-                               "\"t\" [0 0 1 1]\nPolygon \"P\" [1 1e-4 3 1.2 1e-4 4 1.4 1e-4 4]\n",
+                               "\"t\" [0 0 1 1]\n",
                       curved[] = "Translate 0 0 4\nSphere 3.5 -3.5 3.5 360\n";
     char *text;
     size_t size;
@@ -195,7 +194,7 @@ static bool measure_rest(struct calibration *c, const struct calibrate_run *plai
         "triangles");
     set(c, MACHINE_INDEX_raster_region_ps,
         1e12 * (coarse.rendering_region_s - coarse.raster_count * triangle_s),
-        "measured: rays and interpolation of a full region in a frame that has silhouettes");
+        "measured: rays and interpolation of a full region");
     set(c, MACHINE_INDEX_shading_region_ps, 1e12 * plain->shading_region_s,
         "measured: a full region under an empty shader");
     const double rate =

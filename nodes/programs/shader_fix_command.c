@@ -58,14 +58,13 @@ static char *file_text(const struct shader_fix_request *request,
         is_renamed && strcmp(request->output, "-") ? shader_name_of(request->output) : NULL;
     const char *rest = strchr(result->source, '(');
     const char *path = request->fix.path, *slash = strrchr(path, '/');
-    fprintf(
-        stream,
-        "/* %s with fixed-point variables, written by sortlast shader --fix: sizes are the "
-        "smallest "
-        "that keep the\n * pictures of a scene within %.6g of those in double precision (largest "
-        "error %.6g; of the original\n * %.6g). Lines in comments are those of the original. */\n",
-        slash ? slash + 1 : path, request->fix.max_error, result->error_after.bulk,
-        result->error_before.bulk);
+    fprintf(stream,
+            "/* %s with fixed-point variables, written by sortlast shader --fix: as small as was "
+            "found to keep\n * the pictures of a scene within %.6g of those in double precision: "
+            "their error is %.6g, that of\n * the original %.6g, %.3g %% of the pixels aside. "
+            "Lines in comments are those of the original. */\n",
+            slash ? slash + 1 : path, request->fix.max_error, result->error_after.bulk,
+            result->error_before.bulk, 100 * request->fix.outliers);
     if (name && rest)
         fprintf(stream, "surface %s%s", name, rest);
     else

@@ -76,7 +76,7 @@ struct source_writer {
 const char *source_format(struct source_writer *w, const char *format, ...)
     __attribute__((format(printf, 2, 3), nonnull));
 struct written *source_variable(struct source_writer *w, const struct ir_variable *variable);
-/* What the instruction computes, in the type that its result (number `result`) has. */
+/* What the instruction computes, in the type that its result has. */
 struct piece source_expression(struct source_writer *w, const struct ir_node *node);
 struct piece source_condition(struct source_writer *w, const struct ir_operand *operand);
 /* The condition that an instruction computes. */

@@ -204,7 +204,7 @@ static bool check_source(const struct shader_compile_options *options,
         shader_program_destroy(again);
         return true;
     }
-    status_fail(status, STATUS_INVALID,
+    status_fail(status, failure.code == STATUS_INTERNAL ? STATUS_INTERNAL : STATUS_INVALID,
                 "shader %.64s cannot be written as source with other types; parameters that need "
                 "macros or functions of the file cannot be copied:\n%.600s",
                 (*program)->name, failure.message);

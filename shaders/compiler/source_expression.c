@@ -141,20 +141,24 @@ static int magnitude_bits(struct range range) {
     return top;
 }
 
-/* An operand as fixed-point. Numbers, uniform values and floats are given enough bits after the
- * point that rounding them is far below rounding the result: GUARD_BITS more than `exponent`. */
+/* What is not fixed-point yet is given enough bits after the point that rounding it is far below
+ * rounding the result: GUARD_BITS more than the `exponent` that the result asks for. */
+enum { GUARD_BITS = 8, FLOAT_BITS = 25 /* with a sign */ };
+
+static struct fixed_format guarded_format(struct range range, int exponent) {
+    const int size = exponent + GUARD_BITS - fixing_format(range, 0).exponent;
+    return fixing_format(range, size < 2 ? 2 : size > FLOAT_BITS ? FLOAT_BITS : size);
+}
+
+/* An operand as fixed-point. */
 static struct piece as_fixed(struct source_writer *w, const struct ir_operand *operand,
                              int exponent) {
-    enum { GUARD_BITS = 8, FLOAT_BITS = 25 /* with a sign */ };
     if (operand->kind == OPERAND_FLOAT)
         return fixed_number(w, (double)operand->number, exponent + GUARD_BITS);
     struct piece piece = natural(w, operand);
     if (piece.is_fixed)
         return piece;
-    const struct range range = fixing_operand_range(w->ranges, operand);
-    int size = exponent + GUARD_BITS - fixing_format(range, 0).exponent;
-    size = size < 2 ? 2 : size > FLOAT_BITS ? FLOAT_BITS : size;
-    return cast(w, fixing_format(range, size), piece);
+    return cast(w, guarded_format(fixing_operand_range(w->ranges, operand), exponent), piece);
 }
 
 /* How exactly an operand is wanted of which the result is a multiple. */
@@ -271,17 +275,11 @@ static bool multiply_by_reciprocal(struct source_writer *w, const struct ir_node
     if (ir_operand_is_varying(divisor) || !isfinite(range.low) || !isfinite(range.high))
         return false;
     const int exponent = factor_exponent(w, result, dividend);
-    struct piece b;
-    if (divisor->kind == OPERAND_FLOAT) {
-        b = fixed_number(w, range.low, exponent + 8);
-    } else {
-        const int size = exponent + 8 - fixing_format(range, 0).exponent;
-        b = cast(w,
-                 fixing_format(range, size < 2    ? 2
-                                      : size > 25 ? 25
-                                                  : size),
-                 infix(w, PRECEDENCE_PRODUCT, number(w, 1), "/", natural(w, divisor)));
-    }
+    const struct piece b =
+        divisor->kind == OPERAND_FLOAT
+            ? fixed_number(w, range.low, exponent + GUARD_BITS)
+            : cast(w, guarded_format(range, exponent),
+                   infix(w, PRECEDENCE_PRODUCT, number(w, 1), "/", natural(w, divisor)));
     const struct piece a = as_fixed(w, dividend, result.exponent + magnitude_bits(range));
     *piece = infix(w, PRECEDENCE_PRODUCT, a, "*", b);
     piece->format = fixed_result(FIXED_MULTIPLY, a.format, b.format);

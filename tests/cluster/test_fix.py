@@ -145,6 +145,18 @@ def test_a_shader_becomes_fixed_point_and_stays_within_the_error():
         assert times[0] < times[1], times  # more error allowed, less time
 
 
+def test_what_fixed_point_cannot_do_as_exactly_stays_a_float():
+    noisy = STRIPES.replace("    if (t > 0.5)", "    shade += 0.2 * noise(4 * s, 4 * t);\n    if (t > 0.5)")
+    with harness.Folder() as folder:
+        shader, scene = folder.write("stripes.sl", noisy), quick_scene(folder)
+        for bound, is_float in ((0.01, False), (2e-5, True)):  # the noise of fixed-point is good to 2^-12
+            output, report, _ = fix(folder, shader, scene, "--max-error", str(bound), "--outliers", "0")
+            line = [line for line in open(output) if " noise(" in line or "(noise(" in line][-1]
+            assert ("float noise(" in line) == is_float, line
+            assert report["after"]["max_error"] <= bound
+            assert report["after"]["time_per_region_ps"] < report["before"]["time_per_region_ps"]
+
+
 def test_values_that_were_seen_fit_their_formats():
     with harness.Folder() as folder:
         _, report, _ = fix(folder, folder.write("stripes.sl", STRIPES), quick_scene(folder))
@@ -178,6 +190,8 @@ def test_what_cannot_be_done_is_said():
         os.makedirs(folder.file("random"))
         random = folder.write("random/stripes.sl", "surface stripes(float count = 1;) { Ci = random() * count; }")
         fixed = folder.write("fixed/stripes.sl", "surface stripes(float count = 1;) { fixed<8,4> x = s; Ci = x; }")
+        os.makedirs(folder.file("cheap"))
+        cheap = folder.write("cheap/stripes.sl", "surface stripes(float count = 1;) { Ci = color (s, t, s * count); }")
         light = folder.write("lamp/stripes.sl", "light stripes(float count = 1;) { solar () Cl = 1; }")
         for arguments, said in (
                 ([quiet, "--fix", scene], "no surface of the scene has the shader \"quiet\""),
@@ -187,7 +201,8 @@ def test_what_cannot_be_done_is_said():
                 ([stripes, "--fix", folder.file("none.rib")], "none.rib"),
                 ([stripes, "--fix", scene, "--max-error", "2/0"], "--max-error"),
                 ([stripes, "--fix", scene, "--max-error", "-1"], "--max-error"),
-                ([stripes, "--fix", scene, "--max-error", "1e-9", "--outliers", "0"], "the least error reached is"),
+                ([stripes, "--fix", scene, "--max-error", "1e-9", "--outliers", "0"], "floats are not within 1e-09"),
+                ([cheap, "--fix", scene], "fixed-point gains nothing here"),
                 ([stripes, "--fix", scene, "--outliers", "2"], "--outliers"),
                 ([stripes, "--fix", scene, "--frames", "0"], "--frames")):
             code, out, err = folder.run("shader", *arguments, "-o", folder.file("out.sl"))

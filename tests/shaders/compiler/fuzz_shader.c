@@ -11,8 +11,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t length) {
     static const char *const material[] = {"Cs"};
-    struct shader_compile_options options = {
-        .material = material, .material_count = length & 1, .fast_math = (length & 2) != 0};
+    static struct shader_fixing fixings[256];
+    for (size_t i = 0; i < sizeof fixings / sizeof *fixings; i++)
+        fixings[i] = (struct shader_fixing){true, -2, 2, 8 * (int)(i % 5)};
+    struct shader_compile_options options = {.material = material,
+                                             .material_count = length & 1,
+                                             .fast_math = (length & 2) != 0,
+                                             .writes_source = (length & 4) != 0,
+                                             .fixings = fixings,
+                                             .fixing_count =
+                                                 length & 8 ? sizeof fixings / sizeof *fixings : 0};
     struct shader_program *program = NULL;
     struct status status = {0};
     if (!shader_compile("fuzz.sl", (const char *)bytes, length, &options, &program, &status) &&

@@ -151,6 +151,7 @@ static void mutated_shaders_end_in_success_or_a_message(void **state) {
         const char *const material[] = {"Cs", "Ka"};
         struct shader_compile_options options = {.material = material,
                                                  .material_count = (int)rng_below(&rng, 3),
+                                                 .writes_source = round & 1,
                                                  .read_include = read_include};
         struct shader_program *program = NULL;
         struct status status = {0};
