@@ -125,6 +125,14 @@ def processes_in(path):
     return found
 
 
+def node_process(folder, program, index=0):
+    for pid, line in processes_in(folder.path):
+        words = line.split()
+        if os.path.basename(words[0]) == program and ("--index" not in words or words[words.index("--index") + 1] == str(index)):
+            return pid
+    return None
+
+
 class Skipped(Exception):
     pass
 

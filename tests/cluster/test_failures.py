@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contract C5: whatever goes wrong ends in seconds, with one clear message, a non-zero exit status, and nothing left
-behind; finished frames stay."""
+behind; finished frames stay. Nodes that are killed or stand still: test_killed_nodes.py."""
 
 import os
 import re
@@ -12,82 +12,7 @@ import tempfile
 import time
 
 from harness import BUILD, SORTLAST, Folder, main, processes_in
-
-# a scene whose frames take a while, so that nodes can be killed in mid-frame
-SLOW = """Format 1280 1024 1
-Projection "perspective" "fov" [40]
-WorldBegin
-LightSource "point" 1 "uniform point from" [0 4 -4] "uniform float intensity" [30]
-Surface "marble"
-%s
-WorldEnd
-""" % "\n".join("AttributeBegin Translate %g %g %g Sphere 1 -1 1 360 AttributeEnd" % (i % 5 - 2, i // 5 % 5 - 2, 5 + i // 25)
-                for i in range(50))
-# its frame has a number of its own, and that is the number messages say
-SLOW_70 = SLOW.replace("WorldBegin", "FrameBegin 70\nWorldBegin").replace("WorldEnd", "WorldEnd\nFrameEnd")
-QUICK = """Format 64 48 1
-WorldBegin
-Surface "constant"
-Sphere 1 -1 1 360
-WorldEnd
-"""
-
-
-def node_process(folder, program, index=0):
-    for pid, line in processes_in(folder.path):
-        words = line.split()
-        if os.path.basename(words[0]) == program and ("--index" not in words or words[words.index("--index") + 1] == str(index)):
-            return pid
-    return None
-
-
-def kill_in_mid_frame(program, expected, index):
-    with Folder() as folder:
-        scene = folder.write("slow.rib", SLOW_70)
-        process = folder.start("render", scene, "-r", 3, "-s", 3, "--frames", 200, "-o", folder.file("slow.%04d.exr"))
-        first = folder.file("slow.0070.exr")
-        deadline = time.time() + 60
-        while not os.path.exists(first) and time.time() < deadline and process.poll() is None:
-            time.sleep(0.01)
-        assert os.path.exists(first), "no first frame: %s" % (process.communicate()[1],)
-        time.sleep(0.15)
-        pid = node_process(folder, program, index)
-        assert pid, "no such process: %s" % processes_in(folder.path)
-        begin = time.time()
-        os.kill(pid, signal.SIGKILL)
-        err = ""
-        while "sortlast:" not in err:  # progress lines may come first
-            line = process.stderr.readline()
-            assert line, "no message: %s" % err
-            err += line
-        took = time.time() - begin
-        err += process.communicate(timeout=20)[1]
-        assert process.returncode not in (0, None), "exit status %s" % process.returncode
-        errors = [line for line in err.splitlines() if line.startswith("sortlast:")]
-        assert len(errors) == 1 and expected in errors[0] and re.search(r"in frame 7\d, region \d+", errors[0]), err
-        assert took < 2 + (4 if "sanitize" in BUILD else 0), "took %.1f s" % took
-        folder.assert_nothing_left()
-        names = [n for n in os.listdir(folder.path) if n not in ("tmp", "slow.rib")]
-        assert names and all(n.startswith("slow.") and n.endswith(".exr") for n in names), "left: %s" % names
-        for name in names:  # what is there is whole
-            code, out, err = folder.run("compare", folder.file(name), folder.file(name))
-            assert code == 0, "%s: %s%s" % (name, out, err)
-
-
-def test_killing_the_host():
-    kill_in_mid_frame("sortlast-host", "host", 0)
-
-
-def test_killing_a_rendering_node():
-    kill_in_mid_frame("sortlast-rendering-node", "rendering node 1", 1)
-
-
-def test_killing_a_shading_node():
-    kill_in_mid_frame("sortlast-shading-node", "shading node 2", 2)
-
-
-def test_killing_the_framebuffer_node():
-    kill_in_mid_frame("sortlast-framebuffer-node", "framebuffer node", 0)
+from scenes_for_faults import QUICK, SLOW
 
 
 def test_killing_the_supervisor_leaves_nothing():
@@ -116,24 +41,6 @@ def test_killing_the_supervisor_while_it_starts_leaves_nothing():
                 process.kill()
                 process.communicate()
                 folder.assert_nothing_left()
-
-
-def test_a_stuck_node_ends_the_run_at_the_deadline_and_all_say_what_they_wait_for():
-    with Folder() as folder:
-        scene = folder.write("slow.rib", SLOW_70)
-        process = folder.start("render", scene, "-r", 2, "-s", 2, "--frames", 2000, "--deadline", 6, "--chord", 2)
-        err = ""
-        while "frame 71:" not in err:
-            line = process.stderr.readline()
-            assert line, err
-            err += line
-        os.kill(node_process(folder, "sortlast-shading-node", 1), signal.SIGSTOP)
-        err += process.communicate(timeout=40)[1]
-        assert process.returncode == 2 and "nothing happened for 6 s" in err, err
-        for node in ("host", "rendering node 0", "rendering node 1", "shading node 0", "framebuffer node"):
-            assert re.search("sortlast: %s (waits|works)" % node, err), "%s says nothing:\n%s" % (node, err)
-        assert re.search(r"framebuffer node waits for region \d+ of frame 7\d from shading node 1", err), err
-        folder.assert_nothing_left()
 
 
 def test_interrupt_ends_everything():
@@ -347,7 +254,7 @@ def test_a_missing_node_is_waited_for_with_a_deadline_and_named():
     with Folder() as folder:
         scene = folder.write("quick.rib", QUICK)
         endpoint = "ipc://" + folder.file("tmp/host")
-        host = subprocess.Popen([SORTLAST + "-host", "--bind", endpoint, "-r", "1", "-s", "1", scene], cwd=folder.path,
+        host = subprocess.Popen([SORTLAST + "-host", "--bind", endpoint, "-r", "1", "-s", "1", "--deadline", "6", scene], cwd=folder.path,
                                 stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         node = subprocess.Popen([SORTLAST + "-rendering-node", "--host", endpoint], cwd=folder.path,
                                 stderr=subprocess.PIPE, text=True)

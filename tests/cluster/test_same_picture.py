@@ -8,7 +8,8 @@ import random
 
 from harness import SANITIZED, SCENES, Folder, main
 
-NODES = [(1, 1), (2, 3), (5, 4), (8, 8)]
+# what is equal is shown by the release build; under sanitizers the same ways are gone, with fewer clusters
+NODES = [(1, 1), (5, 4)] if SANITIZED else [(1, 1), (2, 3), (5, 4), (8, 8)]
 SMALL = ["--format", "192x160" if SANITIZED else "320x256", "--chord", "0.5", "--compression", "none"]
 
 
@@ -60,7 +61,7 @@ def test_every_composition_strategy_gives_the_same_picture():
             whole, first, time_of = None, None, {}
             runs = [("chain", 1, 1, "in-process", 0)]
             for strategy in STRATEGIES:
-                runs += [(strategy, 4, 3, "in-process", 5), (strategy, 7, 2, "in-process", 9)]
+                runs += [(strategy, 7, 2, "in-process", 9)] + ([] if SANITIZED else [(strategy, 4, 3, "in-process", 5)])
                 if name == "coincident":
                     runs += [(strategy, 7, 2, "processes", 0), (strategy, 13, 1, "processes", 0)]
             for strategy, r, s, driver, seed in runs:
@@ -86,14 +87,14 @@ def test_any_order_of_events_gives_the_same_picture_and_time():
     for name, scene in scenes():
         with Folder() as folder:
             check_runs(folder, scene, [("schedule-%d" % seed, (3, 2), ["--driver", "in-process", "--schedule-seed", seed])
-                                       for seed in (0, 1, 2, 3, 4)])
+                                       for seed in range(2 if SANITIZED else 5)])
 
 
 def test_another_distribution_of_primitives_gives_the_same_picture():
     for name, scene in scenes():
         with Folder() as folder:
             first = None
-            for seed in (1, 2, 99):
+            for seed in (1, 99) if SANITIZED else (1, 2, 99):
                 summary = folder.render(scene, "-r", 4, "-s", 2, "--driver", "in-process", "--seed", seed, "-o",
                                         folder.file("seed-%d.exr" % seed), *SMALL)
                 first = first or pictures(summary)
@@ -137,7 +138,8 @@ def test_geometry_at_the_edge_of_precision_gives_the_same_picture():
     for name, text in hostile_scenes():
         with Folder() as folder:
             scene, first = folder.write(name + ".rib", text), None
-            for r, s, seed in ((1, 1, 1), (3, 2, 1), (8, 8, 9), (24, 1, 1), (64, 3, 4)):
+            clusters = ((1, 1, 1), (3, 2, 1), (8, 8, 9), (24, 1, 1), (64, 3, 4))
+            for r, s, seed in clusters[::2] if SANITIZED else clusters:
                 out = folder.file("%s-%d.exr" % (name, r))
                 summary = folder.render(scene, "-r", r, "-s", s, "--seed", seed, "--driver", "in-process", "-o", out,
                                         "--compression", "none")

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "program_bundle.h"
 
+#include "compiled_object.h"
+
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Generated C is a preamble, then functions and tables of its own, whose names get a number each.
  * The preamble of a shader that asks for more begins with that of one that asks for less. */
@@ -62,34 +63,25 @@ static const char *compiler_for(const char *wanted) {
 bool program_bundle_open(struct program_bundle *bundle, struct shader_program *const *programs,
                          int count, const struct bundle_settings *settings, struct status *status) {
     const char *optimisation = settings->optimisation;
-    char folder[] = "/tmp/sortlast-programs-XXXXXX", source[64], object[64], command[1024];
+    char *text = NULL, compiler[512];
+    size_t length;
     *bundle = (struct program_bundle){0};
-    if (!mkdtemp(folder))
-        return status_fail(status, STATUS_IO, "cannot make a folder in /tmp");
-    snprintf(source, sizeof source, "%s/programs.c", folder);
-    snprintf(object, sizeof object, "%s/programs.so", folder);
-    FILE *file = fopen(source, "w");
-    bool ok = file && write_source(file, programs, count, status);
-    if (file)
-        fclose(file);
-    snprintf(command, sizeof command,
+    FILE *file = open_memstream(&text, &length);
+    bool ok = write_source(file, programs, count, status);
+    fclose(file);
+    snprintf(compiler, sizeof compiler,
              "%s -std=gnu11 %s%s -w -Wno-psabi -ffp-contract=off -fno-math-errno "
-             "-fno-trapping-math -shared "
-             "-fPIC %s -DSHADER_WIDTH=%d -I'%s' -o %s %s",
+             "-fno-trapping-math %s -DSHADER_WIDTH=%d",
              compiler_for(settings->compiler), optimisation,
              /* without optimisation, calls are much quicker to compile than copies of the callee */
              strcmp(optimisation, "-O0") ? "" : " -Dalways_inline=noinline",
-             flags_for(settings->width), settings->width, SIMD_INCLUDE, object, source);
-    if (ok && system(command))
-        ok = status_fail(status, STATUS_INTERNAL, "the C compiler refuses what was generated");
-    bundle->library = ok ? dlopen(object, RTLD_NOW | RTLD_LOCAL) : NULL;
+             flags_for(settings->width), settings->width);
+    bundle->library = ok ? compiled_object_load(text, length, compiler, status) : NULL;
     bundle->modules = bundle->library ? dlsym(bundle->library, "bundled_modules") : NULL;
-    unlink(source);
-    unlink(object);
-    rmdir(folder);
-    if (ok && !bundle->modules)
-        ok = status_fail(status, STATUS_INTERNAL, "%s", dlerror());
-    return ok;
+    free(text);
+    if (bundle->library && !bundle->modules)
+        status_fail(status, STATUS_INTERNAL, "%s", dlerror());
+    return bundle->modules;
 }
 
 void program_bundle_close(struct program_bundle *bundle) {

@@ -2,6 +2,7 @@
 #include "shader_harness.h"
 
 #include "base/simd_operations.h"
+#include "compiled_object.h"
 
 #include <dlfcn.h>
 #include <setjmp.h>
@@ -9,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -82,30 +82,19 @@ struct shader_program *harness_compile_with(const char *source, const char *disp
 }
 
 void harness_open_program(struct harness *h, struct shader_program *program, int width) {
-    char folder[] = "/tmp/sortlast-shader-XXXXXX", path[128], command[1024];
+    char compiler[512];
+    struct status status = {0};
     memset(h, 0, sizeof *h);
     h->program = program;
-    assert_non_null(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/shader.c", folder);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fwrite(h->program->c_source, 1, h->program->c_length, file);
-    fclose(file);
-    snprintf(command, sizeof command,
+    snprintf(compiler, sizeof compiler,
              "cc -std=gnu11 -O1 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra "
-             "-Werror -Wno-psabi -shared "
-             "-fPIC %s -DSHADER_WIDTH=%d -I'%s' -o %s/shader.so %s/shader.c",
-             flags_for(width), width, SIMD_INCLUDE, folder, folder);
-    assert_int_equal(system(command), 0);
-    snprintf(path, sizeof path, "%s/shader.so", folder);
-    h->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    assert_non_null(h->library);
+             "-Werror -Wno-psabi %s -DSHADER_WIDTH=%d",
+             flags_for(width), width);
+    h->library = compiled_object_load(program->c_source, program->c_length, compiler, &status);
+    if (!h->library)
+        fail_msg("%s", status.message);
     h->module = dlsym(h->library, SHADER_MODULE_SYMBOL);
     assert_non_null(h->module);
-    unlink(path);
-    snprintf(path, sizeof path, "%s/shader.c", folder);
-    unlink(path);
-    rmdir(folder);
     assert_int_equal(h->module->width, width);
     h->uniform = calloc((size_t)h->module->uniform_count + 1, sizeof *h->uniform);
     h->counters = (struct shader_counters){h->executions, report};
