@@ -1,90 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/chunker.h"
 
-#include "nodes/bound_parameters.h"
+#include "nodes/slot_formats.h"
+#include "nodes/vertex_components.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Where one component of the transfer map comes from: a plane of the mesh, or a constant. */
-struct component_source {
-    const float *values; /* first vertex's component */
-    size_t stride;       /* floats from vertex to vertex; 0 for a constant */
-};
-
 struct chunk_builder {
     const struct scene_mesh *mesh;
-    struct component_source *components;
-    uint32_t component_count;
+    struct vertex_components components;
     uint32_t *local; /* vertex of the mesh -> vertex of the chunk, valid when stamp matches */
     uint32_t *stamp; /* number of the chunk (plus 1) that last used the vertex */
     float *positions;
     float *material;
-    float **transformed; /* values in camera space that the mesh has in object space */
-    size_t transformed_count, transformed_capacity;
     uint16_t *triangles;
     struct chunk_payload chunk;
     struct chunk_list *list;
-    uint32_t chunk_triangles; /* at most */
-    uint32_t frame_index;
+    const struct chunk_cutting *cutting;
     uint32_t run;                   /* number of the first chunk of the run at hand */
     struct record_sharing *sharing; /* of the chunk at hand with others of the run */
     size_t sharing_count, sharing_capacity;
 };
-
-static const struct scene_variable *find_variable(const struct scene_mesh *mesh, const char *name) {
-    for (int i = 0; i < mesh->variable_count; i++)
-        if (!strcmp(mesh->variables[i].name, name))
-            return &mesh->variables[i];
-    return NULL;
-}
-
-/* The values of a variable that feeds a parameter with a transformation attribute from plain floats
- * (PF section 3.1), brought into camera space; kept until the mesh is done. */
-static const float *transformed_values(struct chunk_builder *builder,
-                                       const struct shader_parameter *parameter,
-                                       const struct scene_variable *variable) {
-    const size_t count = builder->mesh->vertex_count;
-    builder->transformed =
-        memory_grow(builder->transformed, &builder->transformed_capacity,
-                    builder->transformed_count + 1, sizeof *builder->transformed);
-    float *values = memory_get(count * 3, sizeof *values);
-    memcpy(values, variable->values, count * 3 * sizeof *values);
-    for (size_t v = 0; v < count; v++)
-        bound_parameter_to_camera(values + 3 * v, bound_parameter_transformed_as(parameter),
-                                  &builder->mesh->object_to_camera);
-    builder->transformed[builder->transformed_count++] = values;
-    return values;
-}
-
-/* Lists the sources of all components in the order of the transfer map. */
-static void list_components(struct chunk_builder *builder, const struct shader_program *program) {
-    static const float zero;
-    builder->component_count = (uint32_t)program->material_count;
-    builder->components = memory_get(builder->component_count, sizeof *builder->components);
-    for (uint32_t c = 0; c < builder->component_count; c++)
-        builder->components[c] = (struct component_source){&zero, 0};
-    for (int i = 0; i < program->parameter_count; i++) {
-        const struct shader_parameter *parameter = &program->parameters[i];
-        if (!parameter->is_material)
-            continue;
-        const struct scene_variable *variable = find_variable(builder->mesh, parameter->name);
-        const float *values = variable ? variable->values : NULL;
-        if (variable && variable->type == SCENE_FLOAT &&
-            bound_parameter_transformed_as(parameter) != SHADER_FLOAT)
-            values = transformed_values(builder, parameter, variable);
-        const float *constant = !strcmp(parameter->name, "Cs")   ? builder->mesh->color
-                                : !strcmp(parameter->name, "Os") ? builder->mesh->opacity
-                                                                 : NULL;
-        for (int c = 0; c < parameter->components; c++) {
-            struct component_source *source = &builder->components[parameter->map_offset + c];
-            if (variable)
-                *source = (struct component_source){values + c, (size_t)variable->components};
-            else if (constant)
-                *source = (struct component_source){constant + c, 0};
-        }
-    }
-}
 
 static void flush_chunk(struct chunk_builder *builder) {
     struct chunk_payload *chunk = &builder->chunk;
@@ -97,7 +34,7 @@ static void flush_chunk(struct chunk_builder *builder) {
     chunk->triangles = builder->triangles;
     list->messages =
         memory_grow(list->messages, &list->capacity, list->count + 1, sizeof *list->messages);
-    list->messages[list->count++] = chunk_payload_encode(chunk, builder->frame_index);
+    list->messages[list->count++] = chunk_payload_encode(chunk, builder->cutting->frame_index);
     if (list->is_recorded)
         record_add_chunk(&list->recorded,
                          (struct record_chunk){.instance = chunk->shader_id,
@@ -139,9 +76,10 @@ static uint16_t chunk_vertex(struct chunk_builder *builder, uint32_t vertex) {
         memcpy(builder->positions + chunk->vertex_count * 3,
                builder->mesh->positions + (size_t)vertex * 3, 3 * sizeof(float));
         float *material =
-            builder->material + (size_t)chunk->vertex_count * builder->component_count;
-        for (uint32_t c = 0; c < builder->component_count; c++)
-            material[c] = builder->components[c].values[vertex * builder->components[c].stride];
+            builder->material + (size_t)chunk->vertex_count * builder->components.count;
+        for (uint32_t c = 0; c < builder->components.count; c++)
+            material[c] =
+                builder->components.list[c].values[vertex * builder->components.list[c].stride];
         chunk->vertex_count++;
     }
     return (uint16_t)builder->local[vertex];
@@ -159,18 +97,19 @@ static bool faces_away(const struct scene_mesh *mesh, const struct scene_variabl
 static void cut_mesh(struct chunk_builder *builder, const struct shader_program *program,
                      uint32_t first_primitive, bool is_perspective) {
     const struct scene_mesh *mesh = builder->mesh;
-    const struct scene_variable *outside = mesh->is_two_sided ? NULL : find_variable(mesh, "Ng");
-    list_components(builder, program);
-    builder->chunk.material_count = builder->component_count;
+    const struct scene_variable *outside =
+        mesh->is_two_sided ? NULL : scene_mesh_variable(mesh, "Ng");
+    vertex_components_list(mesh, program, &builder->components);
+    builder->chunk.material_count = builder->components.count;
     builder->chunk.map_bytes = (uint32_t)program->material_bytes;
     builder->local = memory_get(mesh->vertex_count, sizeof *builder->local);
     builder->stamp = memory_get(mesh->vertex_count, sizeof *builder->stamp);
-    const size_t vertices =
-        3 * (size_t)(mesh->triangle_count < builder->chunk_triangles ? mesh->triangle_count
-                                                                     : builder->chunk_triangles);
+    const size_t vertices = 3 * (size_t)(mesh->triangle_count < builder->cutting->triangles
+                                             ? mesh->triangle_count
+                                             : builder->cutting->triangles);
     builder->positions = memory_get(3 * vertices, sizeof *builder->positions);
     builder->triangles = memory_get(vertices, sizeof *builder->triangles);
-    builder->material = memory_get(vertices * builder->component_count, sizeof *builder->material);
+    builder->material = memory_get(vertices * builder->components.count, sizeof *builder->material);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *corner = mesh->triangles + (size_t)t * 3;
         if (outside && faces_away(mesh, outside, corner, is_perspective)) {
@@ -182,13 +121,11 @@ static void cut_mesh(struct chunk_builder *builder, const struct shader_program 
             chunk->first_primitive = first_primitive + t;
         for (int i = 0; i < 3; i++)
             builder->triangles[chunk->triangle_count * 3 + i] = chunk_vertex(builder, corner[i]);
-        if (++chunk->triangle_count == builder->chunk_triangles)
+        if (++chunk->triangle_count == builder->cutting->triangles)
             flush_chunk(builder);
     }
     end_run(builder);
-    while (builder->transformed_count)
-        free(builder->transformed[--builder->transformed_count]);
-    free(builder->components);
+    vertex_components_finish(&builder->components);
     free(builder->local);
     free(builder->stamp);
     free(builder->material);
@@ -203,17 +140,19 @@ void chunk_list_finish(struct chunk_list *list) {
 }
 
 bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
-                 uint32_t frame_index, uint32_t chunk_triangles, struct chunk_list *list,
+                 const struct chunk_cutting *cutting, struct chunk_list *list,
                  struct status *status) {
     struct chunk_builder *builder = memory_get(1, sizeof *builder);
-    builder->frame_index = frame_index;
-    builder->chunk_triangles = chunk_triangles;
+    struct slot_formats formats;
+    slot_formats_choose(frame, plan, cutting->precision, &formats);
+    builder->cutting = cutting;
     builder->list = list;
     uint64_t primitives = 0;
     bool ok = true;
     for (size_t m = 0; ok && m < frame->mesh_count; m++) {
         builder->mesh = &frame->meshes[m];
         builder->chunk.shader_id = plan->mesh_instance[m];
+        builder->chunk.formats = formats.instances[plan->mesh_instance[m] - 1];
         if (primitives + builder->mesh->triangle_count >= UINT32_MAX)
             ok = status_fail(status, STATUS_LIMIT, "more than 2^32 - 1 triangles in one frame");
         else
@@ -221,8 +160,8 @@ bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
                      (uint32_t)primitives, frame->camera.is_perspective);
         primitives += builder->mesh->triangle_count;
     }
+    slot_formats_finish(&formats);
     free(builder->sharing);
-    free(builder->transformed);
     free(builder);
     return ok;
 }

@@ -16,12 +16,18 @@ struct chunk_list {
 /* Frees the arrays, not the messages. */
 void chunk_list_finish(struct chunk_list *list);
 
-/* Cuts the meshes of a frame into chunks of at most `chunk_triangles` (1 to CHUNK_TRIANGLES_MAX)
- * consecutive triangles, each vertex with exactly the material parameters of its instance's
- * transfer map. Triangles of one-sided meshes that face away are left out; primitive numbers count
- * every triangle of the scene all the same. After a failure `list` holds what there was by then. */
+struct chunk_cutting {
+    uint32_t frame_index;
+    uint32_t triangles; /* of a chunk, at most: 1 to CHUNK_TRIANGLES_MAX */
+    enum parameter_precision precision;
+};
+
+/* Cuts the meshes of a frame into chunks of consecutive triangles, each vertex with exactly the
+ * material parameters of its instance's transfer map. Triangles of one-sided meshes that face away
+ * are left out; primitive numbers count every triangle of the scene all the same. After a failure
+ * `list` holds what there was by then. */
 bool chunker_cut(const struct scene_frame *frame, const struct frame_plan *plan,
-                 uint32_t frame_index, uint32_t chunk_triangles, struct chunk_list *list,
+                 const struct chunk_cutting *cutting, struct chunk_list *list,
                  struct status *status);
 
 #endif

@@ -201,7 +201,6 @@ static struct frame_payload frame_payload_of(const struct host_node *self,
         .write_png = self->options.write_png,
         .compression = self->options.compression,
         .explain_work = self->options.explain_work,
-        .half_parameters = self->options.precision.half_parameters,
         .near_plane = camera->near_plane,
         .far_plane = camera->far_plane,
     };
@@ -274,8 +273,9 @@ static bool send_chunks(struct host_node *self, const struct scene_frame *frame,
                         const struct frame_plan *plan, struct node_outputs *outputs,
                         struct status *status) {
     struct chunk_list list = {.is_recorded = self->recorder != NULL};
-    const bool ok =
-        chunker_cut(frame, plan, self->next_frame, self->options.chunk_triangles, &list, status);
+    const struct chunk_cutting cutting = {self->next_frame, self->options.chunk_triangles,
+                                          self->options.precision.parameters};
+    const bool ok = chunker_cut(frame, plan, &cutting, &list, status);
     uint32_t *node =
         distribution_assign(list.count, self->options.rendering_nodes, self->options.seed);
     if (ok && self->recorder)

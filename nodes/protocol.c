@@ -88,7 +88,6 @@ struct message *frame_payload_encode(const struct frame_payload *frame, uint32_t
     wire_put_u32(&writer, frame->write_png);
     wire_put_u32(&writer, frame->compression);
     wire_put_u32(&writer, frame->explain_work);
-    wire_put_u32(&writer, frame->half_parameters);
     wire_put_u32(&writer, (uint32_t)frame->number);
     wire_put_u32(&writer, frame->assigned_count);
     wire_put(&writer, frame->assigned, frame->assigned_count * sizeof *frame->assigned);
@@ -113,7 +112,6 @@ bool frame_payload_decode(const struct message *message, struct frame_payload *f
     frame->write_png = wire_get_u32(&reader);
     frame->compression = wire_get_u32(&reader);
     frame->explain_work = wire_get_u32(&reader);
-    frame->half_parameters = wire_get_u32(&reader);
     frame->number = (int32_t)wire_get_u32(&reader);
     frame->assigned_count = wire_get_u32(&reader);
     frame->assigned = wire_get_array(&reader, frame->assigned_count, sizeof *frame->assigned);
@@ -259,6 +257,7 @@ struct message *chunk_payload_encode(const struct chunk_payload *chunk, uint32_t
     wire_put_u32(&writer, chunk->triangle_count);
     wire_put_u32(&writer, chunk->material_count);
     wire_put_u32(&writer, chunk->map_bytes);
+    wire_put(&writer, chunk->formats, m * sizeof *chunk->formats);
     wire_put(&writer, chunk->positions, v * 3 * sizeof(float));
     wire_put(&writer, chunk->material, v * m * sizeof(float));
     wire_put(&writer, chunk->triangles, t * 3 * sizeof(uint16_t));
@@ -283,12 +282,16 @@ bool chunk_payload_decode(const struct message *message, struct chunk_payload *c
         chunk->shader_id == 0 || chunk->shader_id > UINT16_MAX ||
         chunk->map_bytes < chunk->material_count)
         return status_fail(status, STATUS_INVALID, "damaged chunk message: impossible counts");
+    chunk->formats = wire_get_array(&reader, chunk->material_count, sizeof *chunk->formats);
     chunk->positions = wire_get_array(&reader, chunk->vertex_count, 3 * sizeof(float));
     chunk->material = wire_get_array(&reader, (uint64_t)chunk->vertex_count * chunk->material_count,
                                      sizeof(float));
     chunk->triangles = wire_get_array(&reader, chunk->triangle_count, 3 * sizeof(uint16_t));
     if (!wire_reader_done(&reader, "chunk", status))
         return false;
+    for (uint32_t m = 0; m < chunk->material_count; m++)
+        if (chunk->formats[m].rounding > SLOT_FIXED || chunk->formats[m].bits > SLOT_BITS_MAX)
+            return status_fail(status, STATUS_INVALID, "damaged chunk message: format");
     for (uint32_t i = 0; i < chunk->triangle_count * 3; i++)
         if (chunk->triangles[i] >= chunk->vertex_count)
             return status_fail(status, STATUS_INVALID, "damaged chunk message: vertex index");

@@ -44,7 +44,6 @@ struct frame_payload {
     uint32_t is_perspective;
     uint32_t write_png, compression; /* of the picture file: enum image_compression */
     uint32_t explain_work;           /* keep a work_record */
-    uint32_t half_parameters;        /* material parameters are rounded to 16-bit floats */
     double screen_window[4];         /* left, right, bottom, top */
     double near_plane, far_plane;
     int32_t number;          /* as the scene counts (FrameBegin), for people */
@@ -111,21 +110,31 @@ bool instance_payload_decode(const struct message *message, struct instance_payl
 uint64_t instance_payload_bound_bytes(const struct instance_payload *instance);
 
 /* CHUNK: consecutive triangles of one instance, in camera space. Charged: 12 bytes a position, 4 a
- * material float, 6 a triangle. */
+ * material float, 6 a triangle; formats go with the shader and are not. */
 enum {
     CHUNK_TRIANGLES_DEFAULT = 256,
     CHUNK_TRIANGLES_MAX = 21845, /* vertex numbers have 16 bits */
     CHUNK_VERTICES_MAX = CHUNK_TRIANGLES_MAX * 3
+};
+enum slot_rounding { SLOT_FLOAT, SLOT_HALF, SLOT_FIXED };
+enum { SLOT_BITS_MAX = 16 };
+/* How a component of the transfer map is rounded after interpolation (nodes/slot_formats.h). */
+struct slot_format {
+    uint8_t rounding;    /* enum slot_rounding */
+    uint8_t bits;        /* of fixed-point: 8 or 16 */
+    uint8_t is_unsigned; /* likewise */
+    int8_t exponent;     /* likewise: raw * 2^-exponent */
 };
 struct chunk_payload {
     uint32_t number;
     uint32_t first_primitive; /* triangles count through the whole frame in scene order */
     uint32_t shader_id;
     uint32_t vertex_count, triangle_count, material_count;
-    uint32_t map_bytes;        /* of a sample on the composition network, the shader ID aside */
-    const float *positions;    /* vertex_count * 3 */
-    const float *material;     /* vertex_count * material_count */
-    const uint16_t *triangles; /* triangle_count * 3 */
+    uint32_t map_bytes; /* of a sample on the composition network, the shader ID aside */
+    const struct slot_format *formats; /* material_count */
+    const float *positions;            /* vertex_count * 3 */
+    const float *material;             /* vertex_count * material_count */
+    const uint16_t *triangles;         /* triangle_count * 3 */
 };
 struct message *chunk_payload_encode(const struct chunk_payload *chunk, uint32_t frame);
 bool chunk_payload_decode(const struct message *message, struct chunk_payload *chunk,

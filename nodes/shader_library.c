@@ -221,7 +221,7 @@ static bool compile_sources(struct shader_library *library, const struct shader_
         .export_count = is_light ? wanted->material_count : 0,
         .fast_math = library->precision.fast_math,
         .fast_calls = fast_calls(library, wanted->name),
-        .half_parameters = library->precision.half_parameters,
+        .parameters = library->precision.parameters,
         .reference_math = library->precision.reference_math,
         .pixel_memory_bytes = library->base.pixel_memory_bytes,
         .allows_external = library->base.allows_external,

@@ -29,7 +29,7 @@ struct shader_precision {
     bool fast_math, reference_math;
     const char *fast_shaders;     /* names with commas: these use fast functions; NULL: none */
     struct fast_calls fast_calls; /* ... and these calls; stays the caller's */
-    bool half_parameters;
+    enum parameter_precision parameters;
     /* "NAME=FILE.sl": where to find a shader, whatever the folders have; stay the caller's */
     const char *const *files;
     int file_count;

@@ -236,7 +236,7 @@ bool shader_study_create(const struct shader_study_options *options, struct shad
     study->services = local_services_create(&study->trace, NULL);
     struct shader_precision precision = {.fast_math = options->compile.fast_math,
                                          .fast_calls = options->fast_calls,
-                                         .half_parameters = options->compile.half_parameters};
+                                         .parameters = options->compile.parameters};
     precision.fast_calls.list = study->fast_calls =
         memory_get((size_t)precision.fast_calls.count, sizeof *study->fast_calls);
     for (int i = 0; i < precision.fast_calls.count; i++)

@@ -2,7 +2,7 @@
 #include "nodes/visibility.h"
 
 #include "base/vector.h"
-#include "images/half.h"
+#include "nodes/slot_formats.h"
 #include "nodes/triangle_setup.h"
 
 #include <embree3/rtcore.h>
@@ -435,13 +435,6 @@ static void interpolate_weights(const struct visibility *visibility, uint32_t tr
     }
 }
 
-/* To nearest even; beyond the largest half that, as the wire format has it. */
-static void round_to_halves(float *values, uint32_t count) {
-    uint64_t clamped = 0;
-    for (uint32_t k = 0; k < count; k++)
-        values[k] = half_to_float(half_from_float(values[k], &clamped));
-}
-
 /* Parameters of `count` covered samples from `first` on that see one triangle, into the planes. */
 static void interpolate_material(const struct visibility *visibility, uint32_t triangle,
                                  struct region_draft *draft, uint32_t first, uint32_t count) {
@@ -464,8 +457,7 @@ static void interpolate_material(const struct visibility *visibility, uint32_t t
         const float a = m0[p], b = m1[p], c = m2[p];
         for (uint32_t k = 0; k < count; k++)
             out[k] = b0[k] * a + b1[k] * b + b2[k] * c;
-        if (visibility->frame.half_parameters)
-            round_to_halves(out, count);
+        slot_format_round(chunk->formats[p], out, count);
     }
     for (uint32_t k = 0; k < count; k++) {
         draft->primitive[first + k] = visibility->primitives[triangle];

@@ -4,6 +4,7 @@
 #include "images/image.h"
 #include "images/replacement_file.h"
 #include "nodes/pacer.h"
+#include "shaders/compiler/parameter_precision.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -224,7 +225,6 @@ static bool parse_one(int option, const char *text, struct render_options *o,
     static const char *const drivers[] = {"processes", "in-process", NULL};
     static const char *const transports[] = {"ipc", "tcp", NULL};
     static const char *const compressions[] = {"none", "rle", "zips", "zip", "piz", NULL};
-    static const char *const parameters[] = {"float", "half", NULL};
     static const char *const maths[] = {"exact", "fast", "reference", NULL};
     static const char *const assignments[] = {"round-robin", "by-cost", NULL};
     long long whole = 0;
@@ -311,8 +311,8 @@ static bool parse_one(int option, const char *text, struct render_options *o,
         o->host.skipped_frames = (int)whole;
         return ok;
     case OPTION_PARAMETERS:
-        ok = parse_choice(text, "--parameters", parameters, &choice, status);
-        o->host.precision.half_parameters = choice == 1;
+        ok = parse_choice(text, "--parameters", parameter_precision_names, &choice, status);
+        o->host.precision.parameters = (enum parameter_precision)choice;
         return ok;
     case OPTION_CHORD:
         return parse_chord(text, &o->host.reading.chord_pixels, status);

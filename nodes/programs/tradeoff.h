@@ -19,12 +19,14 @@ int tradeoff_main(int argc, char **argv);
       "samples a pixel: shading and composition against edges")                                    \
     X(CHORD, "chord", "--chord", ({"0.1", "0.5", "2"}),                                            \
       "dicing tolerance in pixels: triangles against silhouettes")                                 \
-    X(PARAMETERS, "parameters", "--parameters", ({"float", "half"}),                               \
-      "parameters on the composition network: bytes against their digits")
+    X(PARAMETERS, "parameters", "--parameters", ({"float", "half", "fixed", "byte"}),              \
+      "parameters on the composition network: bytes against their digits")                         \
+    X(ASSIGNMENT, "assignment", "--assignment", ({"round-robin", "by-cost"}),                      \
+      "regions to shading nodes, where there are several: by what each costs takes no accuracy")
 #define TRADEOFF_UNWRAP(...) __VA_ARGS__
 
 enum {
-    TRADEOFF_VALUES_MAX = 3,
+    TRADEOFF_VALUES_MAX = 4,
     TRADEOFF_KNOBS_MAX = 64,
     TRADEOFF_FRAMES_MAX = 64, /* of a list; frames after the 64th are not judged unless asked for */
     TRADEOFF_JUDGED_MAX = 8   /* frames that are judged unless asked for */
@@ -102,8 +104,8 @@ bool tradeoff_choose_frames(const struct tradeoff_options *options, struct trade
 /* "1,3-5" again */
 void tradeoff_describe_frames(const struct tradeoff_frames *frames, char *text, size_t size);
 
-/* tradeoff_knobs.c */
-void tradeoff_add_table_knobs(struct tradeoff_study *study);
+/* tradeoff_knobs.c: those of the table; regions are assigned where there are several nodes. */
+void tradeoff_add_table_knobs(struct tradeoff_study *study, bool has_several_shading_nodes);
 /* Knobs for the functions of shaders and, for those with several, of places in them: `calls` are
  * those of the summary of a run. Says on standard error for which there is no room. */
 void tradeoff_add_call_knobs(struct tradeoff_study *study, const cJSON *calls);
@@ -117,8 +119,8 @@ void tradeoff_finish_knobs(struct tradeoff_study *study);
  */
 void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff_setting *setting,
                        char *text, size_t size);
-/* The options of a setting. The list is the caller's to free; it points into `study` and `text`,
- * which is, too. */
+/* The options of a setting. The list is the caller's to free, with room for two more; it points
+ * into `study` and `text`, which is the caller's, too. */
 char **tradeoff_arguments(const struct tradeoff_study *study,
                           const struct tradeoff_setting *setting, int *count, char **text);
 

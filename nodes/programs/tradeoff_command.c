@@ -290,13 +290,21 @@ static bool search(const struct tradeoff_options *o, struct tradeoff_study *stud
     return true;
 }
 
+static bool has_several_shading_nodes(const struct tradeoff_options *o) {
+    bool result = false;
+    for (int i = 0; i + 1 < o->forwarded_count; i += 2)
+        if (!strcmp(o->forwarded[i], "-s"))
+            result = atol(o->forwarded[i + 1]) > 1;
+    return result;
+}
+
 static bool explore(const struct tradeoff_options *o, struct tradeoff_study *study,
                     struct status *status) {
     char json[4096], page[4096];
     cJSON *summary = NULL;
     snprintf(json, sizeof json, "%s/tradeoff.json", o->folder);
     snprintf(page, sizeof page, "%s/index.html", o->folder);
-    tradeoff_add_table_knobs(study);
+    tradeoff_add_table_knobs(study, has_several_shading_nodes(o));
     if (!tradeoff_make_references(o, &study->tuned, &summary, status))
         return false;
     tradeoff_add_call_knobs(study, cJSON_GetObjectItem(summary, "calls"));

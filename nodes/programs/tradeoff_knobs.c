@@ -10,9 +10,12 @@ enum {
     KEY_BYTES = sizeof((struct tradeoff_knob *)0)->key
 };
 
-void tradeoff_add_table_knobs(struct tradeoff_study *study) {
+void tradeoff_add_table_knobs(struct tradeoff_study *study, bool has_several_shading_nodes) {
+#define KNOB_NUMBER(name, ...) KNOB_##name,
+    enum { TRADEOFF_KNOBS(KNOB_NUMBER) };
+#undef KNOB_NUMBER
 #define KNOB_ADD(name, key_text, option_text, value_list, about_text)                              \
-    {                                                                                              \
+    if (KNOB_##name != KNOB_ASSIGNMENT || has_several_shading_nodes) {                             \
         static const char *const list[] = TRADEOFF_UNWRAP value_list;                              \
         struct tradeoff_knob *knob = &study->knobs[study->knob_count++];                           \
         snprintf(knob->key, sizeof knob->key, "%s", key_text);                                     \
@@ -182,7 +185,7 @@ void tradeoff_describe(const struct tradeoff_study *study, const struct tradeoff
 
 char **tradeoff_arguments(const struct tradeoff_study *study,
                           const struct tradeoff_setting *setting, int *count, char **text) {
-    char **list = memory_get((size_t)study->knob_count * 2 + 2, sizeof *list);
+    char **list = memory_get((size_t)study->knob_count * 2 + 4, sizeof *list);
     size_t length = 1;
     for (int k = 0; k < study->knob_count; k++)
         length += study->knobs[k].calls ? strlen(study->knobs[k].calls) + 1 : 0;

@@ -49,21 +49,22 @@ static cJSON *read_json(const char *path) {
     return document;
 }
 
-/* Renders a frame into FOLDER/NAME.exr and .png. */
+/* Renders a frame into FOLDER/NAME.exr and .png, or without a picture. */
 static bool render(const struct tradeoff_options *o, const char *name, int frame, char **more,
                    int more_count, cJSON **summary, struct status *status) {
     char picture[PATH_BYTES], json[PATH_BYTES], skip[32];
     char **list = memory_get((size_t)(o->forwarded_count + more_count) + 20, sizeof *list);
     int count = 0;
-    snprintf(picture, sizeof picture, "%s/%s.exr", o->folder, name);
+    snprintf(picture, sizeof picture, "%s/%s.exr", o->folder, name ? name : "");
     snprintf(json, sizeof json, "%s/run.json", o->folder);
     snprintf(skip, sizeof skip, "%d", frame - 1);
-    const char *own[] = {"sortlast", "render", "--quiet", "--driver", "in-process",
-                         "--frames", "1",      "--skip",  skip,       "--png",
-                         "-o",       picture,  "--json",  json,       "--compression",
-                         "rle"};
+    const char *own[] = {"sortlast", "render", "--quiet", "--driver", "in-process", "--frames",
+                         "1",        "--skip", skip,      "--json",   json};
+    const char *output[] = {"-o", picture, "--png", "--compression", "rle"};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         list[count++] = (char *)own[i];
+    for (size_t i = 0; name && i < sizeof output / sizeof *output; i++)
+        list[count++] = (char *)output[i];
     for (int i = 0; i < o->forwarded_count; i++)
         list[count++] = o->forwarded[i];
     for (int i = 0; i < more_count; i++)
@@ -74,6 +75,42 @@ static bool render(const struct tradeoff_options *o, const char *name, int frame
     ok = ok && (*summary || status_fail(status, STATUS_IO, "cannot read %s", json));
     unlink(json);
     free(list);
+    return ok;
+}
+
+/* Renders a frame of a setting. Where regions are assigned by what they cost, what they cost is
+ * recorded first. */
+static bool render_setting(const struct tradeoff_options *o, const struct tradeoff_study *study,
+                           const struct tradeoff_setting *setting, const char *name, int frame,
+                           cJSON **summary, struct status *status) {
+    const int assignment = tradeoff_find_knob(study, "assignment");
+    struct tradeoff_setting recorded = *setting;
+    char record[PATH_BYTES], *text;
+    bool ok = true;
+    int count;
+    snprintf(record, sizeof record, "%s/costs.record", o->folder);
+    const bool is_by_cost = assignment >= 0 && setting->choice[assignment];
+    if (is_by_cost) {
+        recorded.choice[assignment] = 0;
+        char **arguments = tradeoff_arguments(study, &recorded, &count, &text);
+        arguments[count++] = (char *)"--record";
+        arguments[count++] = record;
+        cJSON *unused = NULL;
+        ok = render(o, NULL, frame, arguments, count, &unused, status);
+        cJSON_Delete(unused);
+        free(arguments);
+        free(text);
+    }
+    char **arguments = tradeoff_arguments(study, setting, &count, &text);
+    if (is_by_cost) {
+        arguments[count++] = (char *)"--costs-from";
+        arguments[count++] = record;
+    }
+    ok = ok && render(o, name, frame, arguments, count, summary, status);
+    if (is_by_cost)
+        unlink(record);
+    free(arguments);
+    free(text);
     return ok;
 }
 
@@ -150,8 +187,6 @@ static bool run_frames(const struct tradeoff_options *o, const struct tradeoff_s
                        const struct tradeoff_setting *setting, const struct tradeoff_frames *frames,
                        const char *name, bool keeps_picture, struct costs *costs,
                        struct tradeoff_error *error, struct status *status) {
-    int count;
-    char *text, **arguments = tradeoff_arguments(study, setting, &count, &text);
     bool ok = true;
     *costs = (struct costs){0};
     *error = (struct tradeoff_error){0};
@@ -159,7 +194,7 @@ static bool run_frames(const struct tradeoff_options *o, const struct tradeoff_s
         const bool is_kept = keeps_picture && !i;
         const char *frame_name = is_kept ? name : "frame";
         cJSON *summary = NULL;
-        ok = render(o, frame_name, frames->numbers[i], arguments, count, &summary, status);
+        ok = render_setting(o, study, setting, frame_name, frames->numbers[i], &summary, status);
         if (ok)
             add_costs(summary, costs);
         cJSON_Delete(summary);
@@ -170,8 +205,6 @@ static bool run_frames(const struct tradeoff_options *o, const struct tradeoff_s
             unlink(picture);
         }
     }
-    free(arguments);
-    free(text);
     return ok;
 }
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "shaders/compiler/parameter_precision.h"
 #include "shaders/compiler/passes.h"
 
 /* Lays out the transfer map and the bound values: parameters in order of declaration, predefined
@@ -39,7 +40,8 @@ static void mark_parameter(struct ir_node *node, void *context) {
 
 void pass_bind_parameters(struct ir_program *ir) {
     struct shader_program *program = ir->c->program;
-    const bool are_halves = ir->c->options && ir->c->options->half_parameters;
+    const enum parameter_precision precision =
+        ir->c->options ? ir->c->options->parameters : PARAMETERS_FLOAT;
     ir->uses_texts = ir->uses_shared_lights = ir->uses_illuminance = ir->uses_ambient =
         ir->uses_neighbours = false;
     ir->spaces = 0;
@@ -55,8 +57,9 @@ void pass_bind_parameters(struct ir_program *ir) {
         *offset = *total;
         *total += parameter->components;
         if (parameter->is_material) {
-            if (are_halves && parameter->bytes > 2 * parameter->components)
-                parameter->bytes = 2 * parameter->components;
+            if (parameter_precision_applies(parameter))
+                parameter->bytes =
+                    parameter->components * parameter_precision_bits(precision, parameter) / 8;
             parameter->map_byte = SHADER_ID_BYTES + program->material_bytes;
             program->material_bytes += parameter->bytes;
         }

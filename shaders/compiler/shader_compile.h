@@ -73,6 +73,19 @@ struct shader_parameter {
     int line, column;
 };
 
+/* How material parameters travel on the composition network, the most accurate first.
+ * X(NAME, name in options, bits of a component, bits of one of a normal or colour) */
+#define PARAMETER_PRECISIONS(X)                                                                    \
+    X(FLOAT, "float", 32, 32)                                                                      \
+    X(HALF, "half", 16, 16)                                                                        \
+    X(FIXED, "fixed", 16, 16)                                                                      \
+    X(BYTE, "byte", 16, 8)
+enum parameter_precision {
+#define PARAMETER_PRECISION_ENUM(name, text, bits, small_bits) PARAMETERS_##name,
+    PARAMETER_PRECISIONS(PARAMETER_PRECISION_ENUM)
+#undef PARAMETER_PRECISION_ENUM
+};
+
 struct shader_companion {
     const char *file, *text;
     size_t length;
@@ -116,9 +129,9 @@ struct shader_compile_options {
     uint32_t passes_left_out; /* bit i: shader_pass_name(i) does not run, if it is optional */
     const char *dump;         /* the name of a pass whose IR is wanted in shader_program.dump */
     bool allows_external;     /* extern "C" functions: the user said so */
-    bool half_parameters; /* material parameters take at most 2 bytes a component on the network */
-    bool has_probes;      /* the module notes extremes of its variables, and can round them */
-    bool writes_source;   /* shader_program.source and .variables are wanted */
+    enum parameter_precision parameters; /* of material parameters, on the composition network */
+    bool has_probes;    /* the module notes extremes of its variables, and can round them */
+    bool writes_source; /* shader_program.source and .variables are wanted */
     const struct shader_fixing *fixings; /* by number of the variable, for the source */
     int fixing_count;                    /* variables beyond stay floats */
     bool reference_math; /* C that computes in double precision (shaders/simd/vector_double.h) */

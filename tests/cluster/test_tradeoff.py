@@ -2,6 +2,7 @@
 """`sortlast tradeoff`: every number on the frontier is that of a run of its own, nothing beats the frontier, limits choose,
 and an interrupted study goes on. Knobs charge what they save."""
 
+import fractions
 import json
 import os
 import struct
@@ -86,29 +87,77 @@ def test_a_study_goes_on_where_it_stopped_and_another_is_refused():
         assert code == 1 and "no setting is within the limits" in err, err
 
 
-def test_half_parameters_are_rounded_and_charged_as_halves():
+def fixed(value, bits, signed, exponent):
+    """The nearest fixed-point number, ties to even, within the format."""
+    least, most = (-2 ** (bits - 1), 2 ** (bits - 1) - 1) if signed else (0, 2 ** bits - 1)
+    return max(least, min(most, round(fractions.Fraction(value) * fractions.Fraction(2) ** exponent))) / 2 ** exponent
+
+
+def test_parameters_are_rounded_and_charged_as_they_travel():
     with harness.Folder() as folder:
         os.makedirs(folder.file("shaders"))
-        folder.write("shaders/show.sl", "surface show() { Ci = color (s, t, 0); }\n")
-        scene = folder.write("half.rib", 'Format 64 8 1\nProjection "orthographic"\nScreenWindow -1 1 -1 1\nWorldBegin\n'
-                             'Surface "show"\nPolygon "P" [-1 -1 2 1 -1 2 1 1 2 -1 1 2] "s" [0 70000 70000 0] '
-                             '"t" [0 0 1 1]\nWorldEnd\n')
-        pictures, summaries = [], []
-        for kind in ["float", "half"]:
-            summaries.append(folder.render(scene, "--driver", "in-process", "--parameters", kind, "-o",
-                                           folder.file(kind + ".exr"), "--compression", "none"))
-            pictures.append(harness.read_exr(folder.file(kind + ".exr")))
-        for channel in "RG":
-            for row in range(8):
-                for exact, rounded in zip(pictures[0][channel][row], pictures[1][channel][row]):
-                    wanted = struct.unpack("<e", struct.pack("<e", min(exact, 65504)))[0]
-                    assert rounded == wanted, (channel, exact, rounded, wanted)
-        maps = [summary["instances"][0]["transfer_map_bytes"] for summary in summaries]
-        assert maps == [10, 6], maps
-        parameters = [summary["frames"][0]["composition"]["bytes"]["parameters"] for summary in summaries]
-        assert parameters == [64 * 8 * 8, 64 * 8 * 4], parameters
-        bytes_ = summaries[1]["frames"][0]["composition"]["bytes"]
-        assert bytes_["total"] == sum(bytes_[k] for k in ["depth", "shader_id", "parameters", "padding"])
+        folder.write("shaders/show.sl", "surface show(varying normal n = normal \"camera\" (0, 0, 0); varying fixed<24,20> f = 0;) {\n"
+                     "    Ci = color (s, zcomp(n), f);\n}\n")
+        # of two polygons of one instance the second has the largest s: the format is the instance's
+        polygon = ('Polygon "P" [-1 %g 2 1 %g 2 1 %g 2 -1 %g 2] "s" [0 %g %g 0] '
+                   '"varying normal n" [0 0 -1 0 0.6 -0.8 0.6 0 0.8 0 1 0] "varying float f" [-0.3 0.7 0.7 -0.3]\n')
+        scene = folder.write("show.rib", 'Format 64 16 1\nProjection "orthographic"\nScreenWindow -1 1 -1 1\nWorldBegin\n'
+                             'Surface "show"\n' + polygon % (-1, -1, 0, 0, 3, 3) + polygon % (0, 0, 1, 1, 70000, 70000) + "WorldEnd\n")
+        pictures, summaries = {}, {}
+        kinds = ["float", "half", "fixed", "byte"]
+        for kind in kinds:
+            for r, s, driver in [(1, 1, "in-process"), (3, 2, "processes")]:
+                summary = folder.render(scene, "-r", r, "-s", s, "--driver", driver, "--parameters", kind, "-o",
+                                        folder.file(kind + ".exr"), "--compression", "none")
+                picture = harness.read_exr(folder.file(kind + ".exr"))
+                assert pictures.setdefault(kind, picture) == picture, (kind, driver)
+            summaries[kind] = summary
+
+        def single(value):
+            return struct.unpack("<f", struct.pack("<f", value))[0]
+
+        def half(value):
+            return struct.unpack("<e", struct.pack("<e", min(value, 65504)))[0]
+        rounding = {"half": {"R": half, "G": half},
+                    "fixed": {"R": lambda v: fixed(v, 16, False, -1), "G": lambda v: fixed(v, 16, True, 15)},
+                    "byte": {"R": lambda v: fixed(v, 16, False, -1), "G": lambda v: fixed(v, 8, True, 7)}}
+        for kind in kinds[1:]:
+            for channel, nearest in rounding[kind].items():
+                for exact, rounded in zip(pictures["float"][channel], pictures[kind][channel]):
+                    for a, b in zip(exact, rounded):
+                        assert b == single(nearest(a)), (kind, channel, a, b)
+            assert pictures[kind]["B"] == pictures["float"]["B"]  # fixed-point of the language stays
+        # s: 4, 2, 2, 2 bytes; a normal 12, 6, 6, 3; f always 3
+        maps = [summaries[kind]["instances"][0]["transfer_map_bytes"] for kind in kinds]
+        assert maps == [2 + 4 + 12 + 3, 2 + 2 + 6 + 3, 2 + 2 + 6 + 3, 2 + 2 + 3 + 3], maps
+        for kind, size in zip(kinds, maps):
+            bytes_ = summaries[kind]["frames"][0]["composition"]["bytes"]
+            assert bytes_["parameters"] == 64 * 16 * (size - 2), (kind, bytes_)
+            assert bytes_["total"] == sum(bytes_[k] for k in ["depth", "shader_id", "parameters", "padding"])
+
+
+def test_assigning_regions_by_cost_is_a_knob_that_takes_no_accuracy():
+    with harness.Folder() as folder:
+        # two spheres in a wide picture: few regions cost something, and it is chance which nodes have them
+        scene = folder.write("scene.rib", SCENE.replace("96 64", "576 128"))
+        study = folder.file("study")
+        arguments = ["tradeoff", scene, "-o", study, "--reference-samples", "1", "-r", "6", "-s", "3", "--runs", "9"]
+        code, out, err = folder.run(*arguments)
+        assert code == 0, err
+        document = json.load(open(folder.file("study/tradeoff.json")))
+        base = document["results"][0]
+        assert base["setting"]["assignment"] == "round-robin"
+        changed = [r for r in document["results"] if r["setting"]["assignment"] == "by-cost"]
+        assert len(changed) == 1, document["results"]
+        for key in ("psnr_db", "max_error", "flip_mean", "shading_ps"):
+            assert changed[0][key] == base[key], key
+        # by hand
+        common = ["-r", "6", "-s", "3", "--samples", "16", "--driver", "in-process"]
+        first = folder.render(scene, *common, "--record", folder.file("run.rec"))
+        second = folder.render(scene, *common, "--assignment", "by-cost", "--costs-from", folder.file("run.rec"))
+        assert first["frames"][0]["time_ps"] == base["time_ps"]
+        assert second["frames"][0]["time_ps"] == changed[0]["time_ps"] < base["time_ps"], (second["frames"], base)
+        assert "costs.record" not in os.listdir(study)
 
 
 def test_fast_functions_of_one_shader_leave_the_others_exact():
@@ -142,7 +191,7 @@ def test_shaders_made_fixed_point_are_knobs():
         scene = folder.write("scene.rib", 'Format 48 48 1\nProjection "orthographic"\nTranslate 0 0 1\nWorldBegin\n'
                              'Surface "waves"\n' + patch % (1, 1, 0, 0) + 'Surface "plain"\n' + patch % (0, 0, -1, -1) +
                              "WorldEnd\n")
-        arguments = ["tradeoff", scene, "-o", folder.file("study"), *SIZE, "--runs", "8", "--fixed", "4/255"]
+        arguments = ["tradeoff", scene, "-o", folder.file("study"), *SIZE, "--runs", "10", "--fixed", "4/255"]
         code, out, err = folder.run(*arguments)
         assert code == 0, err
         assert "it has fixed-point numbers already" in err  # plain has no knob, and that is said

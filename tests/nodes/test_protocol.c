@@ -61,9 +61,10 @@ static struct message *sample_instance(void) {
 }
 
 static struct message *sample_chunk(void) {
+    static const struct slot_format formats[2] = {{SLOT_HALF, 16, 0, 0}, {SLOT_FIXED, 8, 1, -3}};
     static const float positions[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9}, material[6] = {1, 2, 3, 4, 5, 6};
     static const uint16_t triangles[3] = {2, 0, 1};
-    const struct chunk_payload payload = {5, 1000, 7, 3, 1, 2, 8, positions, material, triangles};
+    const struct chunk_payload payload = {5, 1000, 7, 3, 1, 2, 8, formats, positions, material, triangles};
     return chunk_payload_encode(&payload, 0);
 }
 

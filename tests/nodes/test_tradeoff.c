@@ -76,6 +76,16 @@ static void too_many_places_leave_the_knob_of_the_shader(void **state) {
     tradeoff_finish_knobs(&study);
 }
 
+static void regions_are_assigned_where_there_are_several_nodes(void **state) {
+    for (int several = 0; several < 2; several++) {
+        struct tradeoff_study study = {.knob_count = 0};
+        tradeoff_add_table_knobs(&study, several);
+        assert_int_equal(tradeoff_find_knob(&study, "assignment") >= 0, several);
+        assert_true(tradeoff_find_knob(&study, "samples") >= 0);
+        tradeoff_finish_knobs(&study);
+    }
+}
+
 /* Factor of time and square error of the values of each knob. */
 struct model {
     double time[TRADEOFF_KNOBS_MAX][TRADEOFF_VALUES_MAX],
@@ -143,7 +153,7 @@ static void calls_are_looked_at_where_their_shader_is_not_harmless(void **state)
     struct tradeoff_study study = {.knob_count = 0};
     const struct model model = {.time = {[SAMPLES] = {1, 0.3, 0.1},
                                          [CHORD] = {1, 1, 1},
-                                         [PARAMETERS] = {1, 1},
+                                         [PARAMETERS] = {1, 1, 1, 1},
                                          [A] = {1, 0.81},
                                          [B] = {1, 0.9},
                                          [A1] = {1, 0.9},
@@ -152,19 +162,19 @@ static void calls_are_looked_at_where_their_shader_is_not_harmless(void **state)
                                          [B2] = {1, 0.95}},
                                 .error = {[SAMPLES] = {0, 4e-6, 3e-5},
                                           [CHORD] = {0, 1e-6, 1e-5},
-                                          [PARAMETERS] = {0, 1e-7},
+                                          [PARAMETERS] = {0, 1e-7, 5e-8, 2e-7},
                                           [A] = {0, 1.02e-5},
                                           [B] = {0, 1e-10},
                                           [A1] = {0, 2e-7},
                                           [A2] = {0, 1e-5},
                                           [B1] = {0, 5e-11},
                                           [B2] = {0, 5e-11}}};
-    tradeoff_add_table_knobs(&study);
+    tradeoff_add_table_knobs(&study, false);
     add_calls(&study, "[" CALL("a", "sin", 1, 1, 1) "," CALL("a", "pow", 2, 1, 1) "," CALL(
                           "b", "sin", 1, 1, 1) "," CALL("b", "pow", 2, 1, 1) "]");
     assert_int_equal(study.knob_count, 9);
     const size_t runs = search(&study, &model, 1000);
-    assert_in_range(runs, 10, 60); /* of 864 */
+    assert_in_range(runs, 12, 62); /* of 1728 */
     bool has_all_of_a = false;
     for (size_t i = 0; i < runs; i++) {
         const int *choice = study.results[i].setting.choice;
@@ -187,7 +197,7 @@ static void calls_are_looked_at_where_their_shader_is_not_harmless(void **state)
 static void many_knobs_end_all_the_same(void **state) {
     struct tradeoff_study study = {.knob_count = 0};
     struct model model = {0};
-    tradeoff_add_table_knobs(&study);
+    tradeoff_add_table_knobs(&study, false);
     cJSON *calls = cJSON_CreateArray();
     for (int i = 0; i < 40; i++) {
         char name[8];
@@ -217,6 +227,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(knobs_are_for_calls_that_cost),
         cmocka_unit_test(too_many_places_leave_the_knob_of_the_shader),
+        cmocka_unit_test(regions_are_assigned_where_there_are_several_nodes),
         cmocka_unit_test(calls_are_looked_at_where_their_shader_is_not_harmless),
         cmocka_unit_test(many_knobs_end_all_the_same),
     };
