@@ -39,10 +39,14 @@ static uint64_t payload_checksum(const uint8_t *bytes, size_t length) {
     return hash_bytes(bytes + WIRE_HEADER_BYTES, length - WIRE_HEADER_BYTES, WIRE_VERSION);
 }
 
+uint64_t wire_payload_hash(const uint8_t *bytes) {
+    uint64_t checksum;
+    memcpy(&checksum, bytes + AT_CHECKSUM, sizeof checksum);
+    return checksum;
+}
+
 static uint64_t header_checksum(const uint8_t *bytes) {
-    uint64_t payload;
-    memcpy(&payload, bytes + AT_CHECKSUM, sizeof payload);
-    return hash_bytes(bytes, AT_HEADER_CHECKSUM, payload);
+    return hash_bytes(bytes, AT_HEADER_CHECKSUM, wire_payload_hash(bytes));
 }
 
 void wire_seal(struct message *message, struct wire_header header) {
@@ -115,9 +119,7 @@ bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header,
 }
 
 bool wire_verify_payload(const uint8_t *bytes, size_t length, struct status *status) {
-    uint64_t checksum;
-    memcpy(&checksum, bytes + AT_CHECKSUM, 8);
-    if (checksum == payload_checksum(bytes, length))
+    if (wire_payload_hash(bytes) == payload_checksum(bytes, length))
         return true;
     return status_fail(status, STATUS_INVALID, "wire message: checksum of the payload differs");
 }

@@ -81,6 +81,9 @@ void wire_seal(struct message *message, struct wire_header header);
 bool wire_open(const uint8_t *bytes, size_t length, struct wire_header *header,
                struct status *status);
 bool wire_verify_payload(const uint8_t *bytes, size_t length, struct status *status);
+/* The checksum of the payload as the header has it: the same for the same payload, whatever the
+ * rest of the header says. */
+uint64_t wire_payload_hash(const uint8_t *bytes);
 
 /* Appends to a payload that grows. */
 struct wire_writer {

@@ -122,8 +122,8 @@ static bool add_chunk(struct rendering_node *self, const struct node_event *even
                                  sizeof *slot->messages);
     slot->chunks[slot->message_count] = chunk;
     slot->messages[slot->message_count++] = message_hold(event->message);
-    slot->content = hash_bytes(event->message->bytes + WIRE_HEADER_BYTES,
-                               event->message->length - WIRE_HEADER_BYTES, slot->content);
+    const uint64_t payload = wire_payload_hash(event->message->bytes);
+    slot->content = hash_bytes(&payload, sizeof payload, slot->content);
     return true;
 }
 

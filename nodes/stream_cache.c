@@ -1,14 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "nodes/stream_cache.h"
 
-#include "base/hash.h"
-
 #include <stdlib.h>
-
-/* Everything the message says but its frame: shader, values, matrices, lights. */
-static uint64_t hash_message(const struct message *message) {
-    return hash_bytes(message->bytes + WIRE_HEADER_BYTES, message->length - WIRE_HEADER_BYTES, 1);
-}
 
 struct stream_counts stream_cache_next(struct stream_cache *cache, const struct frame_plan *plan) {
     const size_t count = plan->light_count + plan->instance_count;
@@ -17,7 +10,8 @@ struct stream_counts stream_cache_next(struct stream_cache *cache, const struct 
     for (size_t i = 0; i < count; i++) {
         const struct planned_instance *planned =
             i < plan->light_count ? &plan->lights[i] : &plan->instances[i - plan->light_count];
-        hashes[i] = hash_message(planned->message);
+        /* shader, values, matrices, lights */
+        hashes[i] = wire_payload_hash(planned->message->bytes);
         if (i < cache->count && cache->hashes[i] == hashes[i])
             counts.reused++;
         else
