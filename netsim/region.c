@@ -75,6 +75,16 @@ struct region_draft region_draft_create(struct region_head head) {
     return draft;
 }
 
+struct region_view region_draft_view(const struct region_draft *draft) {
+    return (struct region_view){.head = draft->head,
+                                .work = draft->work,
+                                .runs = draft->runs,
+                                .depth = draft->depth,
+                                .primitive = draft->primitive,
+                                .shader = draft->shader,
+                                .slots = draft->slots};
+}
+
 struct message *region_seal(struct region_draft *draft, uint32_t frame, uint32_t region,
                             uint32_t sender) {
     struct message *message = draft->message;

@@ -68,6 +68,8 @@ struct region_draft {
 };
 
 struct region_draft region_draft_create(struct region_head head);
+/* A look at a draft whose arrays are filled, for composition before it is sealed. */
+struct region_view region_draft_view(const struct region_draft *draft);
 /* Hands over the finished message. */
 struct message *region_seal(struct region_draft *draft, uint32_t frame, uint32_t region,
                             uint32_t sender);

@@ -95,11 +95,9 @@ static int try_send(struct socket_driver *driver, struct peer *peer, struct mess
     return sent;
 }
 
-/* Takes over the hold. */
-static bool send_to(struct socket_driver *driver, struct peer *peer, struct message *message,
-                    struct status *status) {
-    if (!socket_is_host(driver) && peer->address.role != NODE_HOST)
-        message = shared_pool_share(driver->options->pool, message);
+/* Sends, or queues behind what could not be sent yet. Takes over the hold. */
+static bool send_or_queue(struct socket_driver *driver, struct peer *peer, struct message *message,
+                          struct status *status) {
     if (!peer->queue_count) {
         const int sent = try_send(driver, peer, message, status);
         if (sent < 0)
@@ -116,6 +114,42 @@ static bool send_to(struct socket_driver *driver, struct peer *peer, struct mess
                               peer->queue_first + peer->queue_count + 1, sizeof *peer->queue);
     peer->queue[peer->queue_first + peer->queue_count++] = message;
     driver->blocked++;
+    return true;
+}
+
+/* Tells a node of all that lies in shared memory for it. */
+static bool send_references(struct socket_driver *driver, struct peer *peer,
+                            struct status *status) {
+    const size_t count = peer->shared_count;
+    peer->shared_count = 0;
+    driver->untold -= count;
+    return !count ||
+           send_or_queue(driver, peer, shared_references_encode(peer->shared, count), status);
+}
+
+/* Takes over the hold. What goes through shared memory is told when several have come together, or
+ * when there is nothing else to do. */
+static bool send_to(struct socket_driver *driver, struct peer *peer, struct message *message,
+                    struct status *status) {
+    const bool may_share = !socket_is_host(driver) && peer->address.role != NODE_HOST;
+    if (may_share &&
+        shared_pool_put(driver->options->pool, message, &peer->shared[peer->shared_count])) {
+        peer->shared_count++;
+        driver->untold++;
+        return (peer->shared_count < SHARED_REFERENCES_MAX && !driver->pacer) ||
+               send_references(driver, peer, status);
+    }
+    if (!send_references(driver, peer, status)) {
+        message_release(message);
+        return false;
+    }
+    return send_or_queue(driver, peer, message, status);
+}
+
+static bool send_all_references(struct socket_driver *driver, struct status *status) {
+    for (size_t i = 0; driver->untold && i < driver->peer_count; i++)
+        if (!send_references(driver, &driver->peers[i], status))
+            return false;
     return true;
 }
 
@@ -296,14 +330,20 @@ static bool take_greeting(struct socket_driver *driver, const struct message *me
     return step(driver, &(struct node_event){.kind = NODE_START}, status);
 }
 
-static bool dispatch_shared(struct socket_driver *driver, const struct message *reference,
+static bool dispatch_shared(struct socket_driver *driver, const struct message *message,
                             struct status *status) {
-    struct node_event event = {.kind = NODE_MESSAGE};
-    if (!shared_pool_receive(driver->options->pool, reference, &event.message, status))
-        return false;
-    const bool ok = wire_open(event.message->bytes, event.message->length, &event.header, status) &&
-                    take_event(driver, &event, status);
-    message_release(event.message);
+    struct shared_reference references[SHARED_REFERENCES_MAX];
+    size_t count;
+    bool ok = shared_references_decode(message, references, &count, status);
+    for (size_t i = 0; ok && i < count; i++) {
+        struct node_event event = {.kind = NODE_MESSAGE};
+        ok = shared_pool_get(driver->options->pool, references[i], &event.message, status);
+        if (!ok)
+            return false;
+        ok = wire_open(event.message->bytes, event.message->length, &event.header, status) &&
+             take_event(driver, &event, status);
+        message_release(event.message);
+    }
     return ok;
 }
 
@@ -516,10 +556,13 @@ static bool loop(struct socket_driver *driver, struct status *status) {
             return false;
         if (any)
             continue;
-        if (!take_disconnect(driver, status) || !check_deadline(driver, status))
+        if (!send_all_references(driver, status) || !take_disconnect(driver, status) ||
+            !check_deadline(driver, status))
             return false;
         wait_for_events(driver);
     }
+    if (!send_all_references(driver, status))
+        return false;
     while (driver->blocked && !*driver->options->stop) { /* last words */
         if (!flush_queues(driver, status))
             return false;

@@ -86,11 +86,6 @@ static void mark_tiles(const struct region_bins *bins, struct region_bin *bin, u
     }
 }
 
-/* Sample columns and rows of the picture, inclusive. */
-struct sample_box {
-    uint32_t x0, x1, y0, y1;
-};
-
 /* The columns of one row that can lie inside all three edges, a sample to spare on either side;
  * false when there are none. */
 static bool row_columns(const struct region_bins *bins, const struct frame_payload *frame,
@@ -182,12 +177,13 @@ static uint32_t clamp_index(double value, uint32_t limit) {
     return value <= 0 ? 0 : value >= limit ? limit - 1 : (uint32_t)value;
 }
 
-void region_bins_add(struct region_bins *bins, const struct frame_payload *frame,
-                     const struct binned_triangle *triangle) {
+struct sample_box region_bins_add(struct region_bins *bins, const struct frame_payload *frame,
+                                  const struct binned_triangle *triangle) {
+    const struct sample_box none = {UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX};
     const struct region_grid *grid = &bins->grid;
     struct rectangle r;
     if (!screen_rectangle(bins, frame, triangle->v, &r))
-        return;
+        return none;
     /* a margin for the rounding of positions and of Embree's edges: a hundredth of a sample, and
      * 2^-20 of the picture for very large ones */
     const double margin =
@@ -196,7 +192,7 @@ void region_bins_add(struct region_bins *bins, const struct frame_payload *frame
     r.x0 -= margin, r.x1 += margin, r.y0 -= margin, r.y1 += margin;
     if (!(r.x1 >= -0.5 && r.y1 >= -0.5 && r.x0 <= grid->samples_wide - 0.5 &&
           r.y0 <= grid->samples_high - 0.5))
-        return;
+        return none;
     const uint32_t touch_x0 = clamp_index(r.x0 + 0.5, grid->samples_wide),
                    touch_x1 = clamp_index(r.x1 + 0.5, grid->samples_wide),
                    touch_y0 = clamp_index(r.y0 + 0.5, grid->samples_high),
@@ -208,6 +204,7 @@ void region_bins_add(struct region_bins *bins, const struct frame_payload *frame
                    x1 = clamp_index(high_x, grid->samples_wide),
                    y0 = clamp_index(low_y, grid->samples_high),
                    y1 = clamp_index(high_y, grid->samples_high);
+    const struct sample_box all = {x0, x1, y0, y1};
     const uint32_t w = grid->region_width, h = grid->region_height;
     for (uint32_t row = touch_y0 / h; row <= touch_y1 / h; row++)
         for (uint32_t column = touch_x0 / w; column <= touch_x1 / w; column++) {
@@ -225,4 +222,5 @@ void region_bins_add(struct region_bins *bins, const struct frame_payload *frame
             mark_tiles(bins, bin, box.x0 % w, box.x1 % w, box.y0 % h, box.y1 % h);
             mark_coverage(bins, frame, triangle, &box, bin, entry);
         }
+    return has_samples ? all : none;
 }

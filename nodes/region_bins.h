@@ -36,12 +36,18 @@ struct binned_triangle {
     uint32_t map_bytes; /* of its instance */
 };
 
+/* Sample columns and rows of the picture, inclusive. */
+struct sample_box {
+    uint32_t x0, x1, y0, y1;
+};
+
 void region_bins_init(struct region_bins *bins, const struct region_grid *grid, bool records_work);
 void region_bins_finish(struct region_bins *bins);
 /* Adds a triangle. Parts in front of the near plane are cut off first; coordinates that are not
- * finite are ignored. */
-void region_bins_add(struct region_bins *bins, const struct frame_payload *frame,
-                     const struct binned_triangle *triangle);
+ * finite are ignored. Returns the samples that can see it: whatever else is in their tiles, no
+ * others may, or what a sample sees would depend on which triangles a node has (contract C1). */
+struct sample_box region_bins_add(struct region_bins *bins, const struct frame_payload *frame,
+                                  const struct binned_triangle *triangle);
 
 static inline bool region_bin_has_tile(const struct region_bins *bins, const struct region_bin *bin,
                                        uint32_t column, uint32_t row) {

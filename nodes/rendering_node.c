@@ -234,7 +234,8 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
     const struct frame_slot *slot = slot_of(self, pending->frame);
     const struct region_grid *grid = &slot->grid;
     const uint32_t samples = grid->region_width * grid->region_height;
-    struct region_view upstream = {0}, own;
+    const uint32_t sender = node_address_pack(self->node.address);
+    struct region_view upstream = {0};
     if (!has_own) { /* passed on as it came */
         send_region(self, slot, pending->region, message_hold(pending->message),
                     region_sample_count(pending->message->bytes, pending->message->length),
@@ -244,21 +245,18 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
     if (pending->message &&
         !region_open(pending->message->bytes, pending->message->length, samples, &upstream, status))
         return status_prefix(status, "frame %d, region %u", slot->frame.number, pending->region);
-    struct message *mine =
-        visibility_render(self->visibility, pending->frame, pending->region, self->node.address);
-    if (!region_open(mine->bytes, mine->length, samples, &own, status)) {
-        message_release(mine);
-        return status_prefix(status, "frame %d, region %u", slot->frame.number, pending->region);
-    }
-    uint32_t count = own.head.sample_count;
+    struct region_draft mine =
+        visibility_render(self->visibility, pending->region, self->node.address.index);
+    const struct region_view own = region_draft_view(&mine);
+    const uint32_t count = own.head.sample_count + upstream.head.sample_count;
+    struct message *out;
     if (pending->message) {
-        struct message *both = region_compose(&upstream, &own, pending->frame, pending->region,
-                                              node_address_pack(self->node.address));
-        count = count || upstream.head.sample_count;
-        message_release(mine);
-        mine = both;
+        out = region_compose(&upstream, &own, pending->frame, pending->region, sender);
+        message_release(mine.message);
+    } else {
+        out = region_seal(&mine, pending->frame, pending->region, sender);
     }
-    send_region(self, slot, pending->region, mine, count, outputs);
+    send_region(self, slot, pending->region, out, count, outputs);
     return true;
 }
 
@@ -266,17 +264,14 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
 static bool begin_exchange(struct rendering_node *self, struct pending *head, bool has_own,
                            struct node_outputs *outputs, struct status *status) {
     const uint32_t region = head->region;
-    struct region_draft nothing;
-    struct message *own;
     self->node.region = region;
     head->region++;
     head->count--;
-    if (has_own) {
-        own = visibility_render(self->visibility, head->frame, region, self->node.address);
-    } else {
-        nothing = region_draft_create((struct region_head){0});
-        own = region_seal(&nothing, head->frame, region, node_address_pack(self->node.address));
-    }
+    struct region_draft draft =
+        has_own ? visibility_render(self->visibility, region, self->node.address.index)
+                : region_draft_create((struct region_head){0});
+    struct message *own =
+        region_seal(&draft, head->frame, region, node_address_pack(self->node.address));
     return region_exchange_begin(self->exchange, head->frame, region,
                                  frame_payload_shading_node(&slot_of(self, head->frame)->frame,
                                                             region,

@@ -11,11 +11,11 @@
 #include <unistd.h>
 
 enum {
-    RING_BYTES =
+    SHELF_BYTES =
         8 << 20, /* some sixteen regions: what is under way, and no more than caches like */
     SHARE_BYTES_MIN = 4096, /* smaller messages are cheaper copied */
     BLOCK_ALIGNMENT = 64,
-    BLOCKS_MAX = RING_BYTES / SHARE_BYTES_MIN,
+    BLOCKS_MAX = SHELF_BYTES / SHARE_BYTES_MIN,
 };
 
 /* In front of each message in the pool. */
@@ -24,18 +24,17 @@ struct shared_block {
         holders; /* messages in any process, and references under way */
 };
 
-/* A block this node has filled, oldest first. */
+/* A block that this node has filled. */
 struct filled_block {
-    uint32_t offset, size; /* in the ring */
+    uint32_t offset, size; /* on the shelf */
 };
 
 struct shared_pool {
     uint8_t *memory;
     size_t size;
-    uint8_t *ring;
-    uint32_t head; /* where the next block may begin */
-    struct filled_block filled[BLOCKS_MAX];
-    uint32_t filled_first, filled_count;
+    uint8_t *shelf;
+    struct filled_block filled[BLOCKS_MAX]; /* by ascending offset */
+    uint32_t filled_count;
 };
 
 /* A message whose bytes lie in the pool. */
@@ -44,18 +43,18 @@ struct shared_message {
     struct shared_block *block;
 };
 
-int shared_pool_create(uint32_t rings) {
+int shared_pool_create(uint32_t shelves) {
     const int descriptor = memfd_create("sortlast-pool", 0);
-    if (descriptor >= 0 && ftruncate(descriptor, (off_t)rings * RING_BYTES)) {
+    if (descriptor >= 0 && ftruncate(descriptor, (off_t)shelves * SHELF_BYTES)) {
         close(descriptor);
         return -1;
     }
     return descriptor;
 }
 
-struct shared_pool *shared_pool_open(int descriptor, uint32_t ring) {
+struct shared_pool *shared_pool_open(int descriptor, uint32_t shelf) {
     struct stat info;
-    if (fstat(descriptor, &info) || info.st_size < (off_t)(ring + 1) * RING_BYTES)
+    if (fstat(descriptor, &info) || info.st_size < (off_t)(shelf + 1) * SHELF_BYTES)
         return NULL;
     void *memory =
         mmap(NULL, (size_t)info.st_size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
@@ -64,7 +63,7 @@ struct shared_pool *shared_pool_open(int descriptor, uint32_t ring) {
     struct shared_pool *pool = memory_get(1, sizeof *pool);
     pool->memory = memory;
     pool->size = (size_t)info.st_size;
-    pool->ring = pool->memory + (size_t)ring * RING_BYTES;
+    pool->shelf = pool->memory + (size_t)shelf * SHELF_BYTES;
     return pool;
 }
 
@@ -76,46 +75,33 @@ void shared_pool_close(struct shared_pool *pool) {
 }
 
 static struct shared_block *block_at(const struct shared_pool *pool, uint32_t offset) {
-    return (struct shared_block *)(pool->ring + offset);
+    return (struct shared_block *)(pool->shelf + offset);
 }
 
-/* Forgets filled blocks that nobody holds, oldest first. */
+/* Forgets filled blocks that nobody holds. */
 static void reclaim(struct shared_pool *pool) {
-    while (pool->filled_count) {
-        const struct filled_block *oldest = &pool->filled[pool->filled_first];
-        if (atomic_load_explicit(&block_at(pool, oldest->offset)->holders, memory_order_acquire))
-            break;
-        pool->filled_first = (pool->filled_first + 1) % BLOCKS_MAX;
-        pool->filled_count--;
-    }
-    if (!pool->filled_count)
-        pool->head = 0; /* begin again where the cache is warm */
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < pool->filled_count; i++)
+        if (atomic_load_explicit(&block_at(pool, pool->filled[i].offset)->holders,
+                                 memory_order_acquire))
+            pool->filled[kept++] = pool->filled[i];
+    pool->filled_count = kept;
 }
 
-/* Room for a block of `size` bytes, or NULL. The filled part of the ring runs from the oldest block
- * to the head. */
+/* Room for a block of `size` bytes, or NULL: the first gap, where caches are warm. */
 static struct shared_block *allocate(struct shared_pool *pool, uint32_t size) {
+    uint32_t begin = 0, i = 0;
     reclaim(pool);
-    if (pool->filled_count == BLOCKS_MAX)
-        return NULL;
-    uint32_t end = RING_BYTES;
-    if (pool->filled_count) {
-        const uint32_t tail = pool->filled[pool->filled_first].offset;
-        if (pool->head <= tail)
-            end = tail;
-        else if (RING_BYTES - pool->head < size) { /* wrap, leaving the rest of the ring empty */
-            if (tail < size)
-                return NULL;
-            pool->head = 0;
-            end = tail;
-        }
+    while (i < pool->filled_count && pool->filled[i].offset - begin < size) {
+        begin = pool->filled[i].offset + pool->filled[i].size;
+        i++;
     }
-    if (end - pool->head < size)
+    if (pool->filled_count == BLOCKS_MAX || SHELF_BYTES - begin < size)
         return NULL;
-    const uint32_t last = (pool->filled_first + pool->filled_count++) % BLOCKS_MAX;
-    pool->filled[last] = (struct filled_block){pool->head, size};
-    pool->head += size;
-    return block_at(pool, pool->filled[last].offset);
+    memmove(pool->filled + i + 1, pool->filled + i,
+            (pool->filled_count++ - i) * sizeof *pool->filled);
+    pool->filled[i] = (struct filled_block){begin, size};
+    return block_at(pool, begin);
 }
 
 static void dispose_shared(struct message *message) {
@@ -124,17 +110,10 @@ static void dispose_shared(struct message *message) {
     free(shared);
 }
 
-static struct message *make_reference(const struct shared_pool *pool,
-                                      const struct shared_block *block, size_t length) {
-    struct wire_writer writer = {0};
-    wire_put_u64(&writer, (uint64_t)((const uint8_t *)block - pool->memory));
-    wire_put_u64(&writer, length);
-    return wire_finish(&writer, (struct wire_header){.kind = WIRE_SHARED, .cause = CAUSE_CONTROL});
-}
-
-struct message *shared_pool_share(struct shared_pool *pool, struct message *message) {
-    if (!pool || message->length < SHARE_BYTES_MIN || message->length > RING_BYTES / 2)
-        return message;
+bool shared_pool_put(struct shared_pool *pool, struct message *message,
+                     struct shared_reference *reference) {
+    if (!pool || message->length < SHARE_BYTES_MIN || message->length > SHELF_BYTES / 2)
+        return false;
     struct shared_block *block;
     if (message->dispose == dispose_shared) { /* passed on as it is */
         block = ((struct shared_message *)message)->block;
@@ -144,30 +123,47 @@ struct message *shared_pool_share(struct shared_pool *pool, struct message *mess
                             BLOCK_ALIGNMENT * BLOCK_ALIGNMENT;
         block = allocate(pool, (uint32_t)size);
         if (!block)
-            return message;
+            return false;
         memcpy(block + 1, message->bytes, message->length);
         atomic_store_explicit(&block->holders, 1, memory_order_release);
     }
-    struct message *reference = make_reference(pool, block, message->length);
+    *reference = (struct shared_reference){(uint64_t)((const uint8_t *)block - pool->memory),
+                                           message->length};
     message_release(message);
-    return reference;
+    return true;
 }
 
-bool shared_pool_receive(struct shared_pool *pool, const struct message *reference,
-                         struct message **message, struct status *status) {
-    struct wire_reader reader = wire_payload(reference->bytes, reference->length);
-    const uint64_t offset = wire_get_u64(&reader), length = wire_get_u64(&reader);
-    if (!wire_reader_done(&reader, "shared", status))
-        return false;
-    if (!pool || offset % BLOCK_ALIGNMENT || offset >= pool->size ||
-        length > pool->size - offset - sizeof(struct shared_block) ||
-        pool->size - offset < sizeof(struct shared_block))
+struct message *shared_references_encode(const struct shared_reference *references, size_t count) {
+    struct wire_writer writer = {0};
+    for (size_t i = 0; i < count; i++) {
+        wire_put_u64(&writer, references[i].offset);
+        wire_put_u64(&writer, references[i].length);
+    }
+    return wire_finish(&writer, (struct wire_header){.kind = WIRE_SHARED, .cause = CAUSE_CONTROL});
+}
+
+bool shared_references_decode(const struct message *message, struct shared_reference *references,
+                              size_t *count, struct status *status) {
+    struct wire_reader reader = wire_payload(message->bytes, message->length);
+    *count = 0;
+    while (*count < SHARED_REFERENCES_MAX && reader.at < reader.length) {
+        references[*count].offset = wire_get_u64(&reader);
+        references[(*count)++].length = wire_get_u64(&reader);
+    }
+    return wire_reader_done(&reader, "shared", status);
+}
+
+bool shared_pool_get(struct shared_pool *pool, struct shared_reference reference,
+                     struct message **message, struct status *status) {
+    if (!pool || reference.offset % BLOCK_ALIGNMENT || reference.offset >= pool->size ||
+        pool->size - reference.offset < sizeof(struct shared_block) ||
+        reference.length > pool->size - reference.offset - sizeof(struct shared_block))
         return status_fail(status, STATUS_INVALID,
                            "a message is said to lie in shared memory that is not there");
     struct shared_message *shared = memory_get(1, sizeof *shared);
-    shared->block = (struct shared_block *)(pool->memory + offset);
+    shared->block = (struct shared_block *)(pool->memory + reference.offset);
     atomic_init(&shared->message.holders, 1);
-    shared->message.length = length;
+    shared->message.length = reference.length;
     shared->message.bytes = (uint8_t *)(shared->block + 1);
     shared->message.dispose = dispose_shared;
     *message = &shared->message;

@@ -4,6 +4,7 @@
 
 #include "nodes/driver_sockets.h"
 #include "nodes/pacer.h"
+#include "nodes/shared_pool.h"
 
 #include <time.h>
 
@@ -22,6 +23,9 @@ struct peer {
     bool is_ready;
     struct message **queue; /* what could not be sent yet */
     size_t queue_first, queue_count, queue_capacity;
+    /* messages in shared memory that it is not told of yet */
+    struct shared_reference shared[SHARED_REFERENCES_MAX];
+    size_t shared_count;
 };
 
 struct socket_driver {
@@ -31,6 +35,7 @@ struct socket_driver {
     struct peer *peers; /* every node but this one */
     size_t peer_count;
     size_t blocked;                /* messages waiting in queues */
+    size_t untold;                 /* messages in shared memory that their peers are not told of */
     char bound[2][ENDPOINT_BYTES]; /* addresses this node listens at: control, input */
     bool is_started, is_probing;
     struct timespec last_news, probe_begin;

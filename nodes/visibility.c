@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "nodes/slot_formats.h"
 #include "nodes/triangle_setup.h"
+#include "nodes/visibility_kernels.h"
 
 #include <embree3/rtcore.h>
 #include <float.h>
@@ -52,11 +53,13 @@ enum { SCENE_SKIPPING, SCENE_CAREFUL, SCENE_HUGE, SCENE_TINY, SCENE_COUNT };
 
 struct visibility {
     struct frame_payload frame;
+    const struct visibility_kernels *kernels;
     struct region_bins bins;
     struct region_bins rare_bins; /* of triangles of all scenes but the first */
     const struct chunk_payload *chunks;
     size_t triangle_count;
     struct triangle_setup *setups;
+    struct sample_box *boxes;
     struct triangle_source *sources;
     uint32_t *primitives; /* primitive numbers */
     struct traced_scene {
@@ -68,11 +71,13 @@ struct visibility {
     /* scratch for one region, by sample index */
     float *depth;
     uint32_t *triangle;    /* UINT32_MAX: nothing there */
-    float *barycentric[3]; /* by covered sample */
+    float *barycentric[3]; /* of one span */
     struct span *spans;
     uint32_t span_count;
     float *screen_x, *screen_y;
+    uint32_t origin_x, origin_y; /* its first sample in the picture */
     uint32_t nan_depths, rays;
+    struct packet *packet; /* at hand */
 };
 
 /* One packet of rays, as the filter sees it. */
@@ -80,9 +85,9 @@ struct packet {
     struct RTCIntersectContext context; /* first: Embree hands it to the filter */
     struct visibility *visibility;
     const struct traced_scene *scene;
-    float x[16], y[16];
-    float depth[16];
-    uint32_t triangle[16];
+    struct packet_lanes lanes;
+    struct RTCRayHit16 rays;
+    _Alignas(64) int valid[PACKET_LANES]; /* which of them are in the picture */
 };
 
 bool visibility_device_create(struct visibility_device **device, struct status *status) {
@@ -103,39 +108,64 @@ void visibility_device_destroy(struct visibility_device *device) {
     free(device);
 }
 
-/* Called for every hit Embree finds; N lanes as structure of arrays (the C API has no accessors for
- * it). */
+static struct packet_triangle candidate_of(const struct packet *packet, uint32_t hit) {
+    const struct visibility *visibility = packet->visibility;
+    const uint32_t triangle = packet->scene->triangles[hit];
+    return (struct packet_triangle){&visibility->setups[triangle],
+                                    visibility->boxes[triangle],
+                                    triangle,
+                                    visibility->primitives[triangle],
+                                    visibility->frame.near_plane,
+                                    visibility->frame.far_plane};
+}
+
+/* What Embree tells of hits: `count` of them as structure of arrays (the C API has no accessors for
+ * it), of lanes `id` of the packet. */
+struct hits {
+    unsigned count;
+    int *valid;
+    float *tfar;
+    const uint32_t *id, *triangle;
+};
+
+/* Hits `mine` (a bit each) of one triangle. */
+static void consider(struct packet *packet, const struct hits *hits, uint32_t mine,
+                     uint32_t triangle) {
+    struct visibility *visibility = packet->visibility;
+    const struct packet_triangle candidate = candidate_of(packet, triangle);
+    const bool skips = packet->scene == &visibility->scenes[SCENE_SKIPPING];
+    _Alignas(64) int32_t valid[PACKET_LANES] = {0};
+    for (uint32_t left = mine; left; left &= left - 1)
+        valid[hits->id[__builtin_ctz(left)]] = -1;
+    visibility->nan_depths += visibility->kernels->consider(&packet->lanes, &candidate, valid);
+    for (uint32_t left = mine; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        const float best = packet->lanes.depth[hits->id[i]];
+        if (skips && valid[hits->id[i]])
+            hits->tfar[i] = best + fabsf(best) * VISIBILITY_MARGIN;
+        else
+            hits->valid[i] = 0; /* as if missed: the ray goes on as far as it would have */
+    }
+}
+
+/* Called for every hit Embree finds, for as many rays at once as it likes. */
 static void consider_hit(const struct RTCFilterFunctionNArguments *arguments) {
     enum { RAY_TFAR = 8, RAY_ID = 10, HIT_PRIMITIVE = 5 };
-    struct packet *packet = (struct packet *)arguments->context;
-    struct visibility *visibility = packet->visibility;
-    const unsigned lanes = arguments->N;
-    float *tfar = (float *)arguments->ray + RAY_TFAR * lanes;
-    const uint32_t *id = (const uint32_t *)arguments->ray + RAY_ID * lanes;
-    const uint32_t *hit_triangle = (const uint32_t *)arguments->hit + HIT_PRIMITIVE * lanes;
-    const double near_plane = visibility->frame.near_plane, far_plane = visibility->frame.far_plane;
-    for (unsigned i = 0; i < lanes; i++) {
-        if (!arguments->valid[i])
-            continue;
-        const uint32_t lane = id[i], triangle = packet->scene->triangles[hit_triangle[i]];
-        const struct triangle_setup *setup = &visibility->setups[triangle];
-        const float depth = triangle_setup_depth(setup, packet->x[lane], packet->y[lane]);
-        if (!(depth >= near_plane && depth <= far_plane) ||
-            !triangle_setup_is_inside(setup, packet->x[lane], packet->y[lane])) {
-            visibility->nan_depths += depth != depth;
-            arguments->valid[i] = 0;
-            continue;
-        }
-        const float best = packet->depth[lane];
-        if (depth < best || (depth == best && visibility->primitives[triangle] <
-                                                  visibility->primitives[packet->triangle[lane]])) {
-            packet->depth[lane] = depth;
-            packet->triangle[lane] = triangle;
-        }
-        if (packet->scene == &visibility->scenes[SCENE_SKIPPING])
-            tfar[i] = packet->depth[lane] + fabsf(packet->depth[lane]) * VISIBILITY_MARGIN;
-        else
-            arguments->valid[i] = 0; /* as if missed: the ray goes on as far as it would have */
+    const unsigned count = arguments->N;
+    const struct hits hits = {count, arguments->valid, (float *)arguments->ray + RAY_TFAR * count,
+                              (const uint32_t *)arguments->ray + RAY_ID * count,
+                              (const uint32_t *)arguments->hit + HIT_PRIMITIVE * count};
+    uint32_t waiting = 0; /* a bit for each hit */
+    for (unsigned i = 0; i < count; i++)
+        waiting |= (uint32_t)(hits.valid[i] != 0) << i;
+    while (waiting) { /* once, unless there are several triangles */
+        const uint32_t triangle = hits.triangle[__builtin_ctz(waiting)];
+        uint32_t mine = 0;
+        for (unsigned i = 0; i < count; i++)
+            mine |= (uint32_t)(hits.triangle[i] == triangle) << i;
+        mine &= waiting;
+        consider((struct packet *)arguments->context, &hits, mine, triangle);
+        waiting &= ~mine;
     }
 }
 
@@ -235,7 +265,8 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
                 indices[count * 3 + i] = (uint32_t)vertex_count + corner[i];
             const struct binned_triangle binned = {
                 {v[0], v[1], v[2]}, &visibility->setups[count], chunk->number, chunk->map_bytes};
-            region_bins_add(&visibility->bins, &visibility->frame, &binned);
+            visibility->boxes[count] =
+                region_bins_add(&visibility->bins, &visibility->frame, &binned);
             if (number != SCENE_SKIPPING)
                 region_bins_add(&visibility->rare_bins, &visibility->frame, &binned);
             count++;
@@ -246,6 +277,22 @@ static size_t collect_triangles(struct visibility *visibility, size_t chunk_coun
     return vertex_count;
 }
 
+/* A packet with all that is the same for every tile; the rays of an orthographic view go along z,
+ * all others come from the eye. */
+static struct packet *packet_create(struct visibility *visibility) {
+    struct packet *packet = aligned_alloc(64, (sizeof *packet + 63) / 64 * 64);
+    if (!packet)
+        abort();
+    memset(packet, 0, sizeof *packet);
+    packet->visibility = visibility;
+    for (unsigned lane = 0; lane < PACKET_LANES; lane++) {
+        packet->rays.ray.dir_z[lane] = 1;
+        packet->rays.ray.mask[lane] = UINT32_MAX;
+        packet->rays.ray.id[lane] = lane;
+    }
+    return packet;
+}
+
 static void create_scratch(struct visibility *visibility) {
     const struct region_grid *grid = &visibility->bins.grid;
     const size_t samples = (size_t)grid->region_width * grid->region_height;
@@ -253,9 +300,10 @@ static void create_scratch(struct visibility *visibility) {
     visibility->triangle = memory_get(samples, sizeof(uint32_t));
     visibility->spans = memory_get(samples, sizeof *visibility->spans);
     for (int i = 0; i < 3; i++)
-        visibility->barycentric[i] = memory_get(samples, sizeof(float));
+        visibility->barycentric[i] = memory_get(grid->region_width, sizeof(float));
     visibility->screen_x = memory_get(grid->region_width, sizeof(float));
     visibility->screen_y = memory_get(grid->region_height, sizeof(float));
+    visibility->packet = packet_create(visibility);
 }
 
 bool visibility_create(struct visibility_device *device, const struct frame_payload *frame,
@@ -264,6 +312,7 @@ bool visibility_create(struct visibility_device *device, const struct frame_payl
                        struct status *status) {
     struct visibility *visibility = memory_get(1, sizeof *visibility);
     visibility->frame = *frame;
+    visibility->kernels = visibility_kernels_best();
     visibility->chunks = chunks;
     region_bins_init(&visibility->bins, grid, records_work);
     region_bins_init(&visibility->rare_bins, grid, false);
@@ -275,6 +324,7 @@ bool visibility_create(struct visibility_device *device, const struct frame_payl
     bool ok = true;
     if (triangles) {
         visibility->setups = memory_get(triangles, sizeof *visibility->setups);
+        visibility->boxes = memory_get(triangles, sizeof *visibility->boxes);
         visibility->sources = memory_get(triangles, sizeof *visibility->sources);
         visibility->primitives = memory_get(triangles, sizeof *visibility->primitives);
         for (int i = 0; i < SCENE_COUNT; i++) {
@@ -314,6 +364,7 @@ void visibility_destroy(struct visibility *visibility) {
     region_bins_finish(&visibility->bins);
     region_bins_finish(&visibility->rare_bins);
     free(visibility->setups);
+    free(visibility->boxes);
     free(visibility->sources);
     free(visibility->primitives);
     free(visibility->depth);
@@ -323,6 +374,7 @@ void visibility_destroy(struct visibility *visibility) {
         free(visibility->barycentric[i]);
     free(visibility->screen_x);
     free(visibility->screen_y);
+    free(visibility->packet);
     free(visibility);
 }
 
@@ -330,58 +382,64 @@ const struct region_bins *visibility_bins(const struct visibility *visibility) {
     return &visibility->bins;
 }
 
-/* Casts the 16 rays of one tile whose first sample is (x0, y0) in the region, `wide` by `high` of
- * them inside the picture, against the first `scene_count` scenes. */
+/* Points the packet at the tile whose first sample is (x0, y0) in the region, `wide` by `high` of
+ * its samples inside the picture. */
+static void aim_packet(struct packet *packet, uint32_t x0, uint32_t y0, uint32_t wide,
+                       uint32_t high) {
+    const struct visibility *visibility = packet->visibility;
+    struct packet_lanes *lanes = &packet->lanes;
+    for (unsigned dy = 0; dy < TILE_SAMPLES; dy++)
+        for (unsigned dx = 0; dx < TILE_SAMPLES; dx++) {
+            const unsigned lane = dy * TILE_SAMPLES + dx;
+            const double x = visibility->screen_x[x0 + (dx < wide ? dx : 0)],
+                         y = visibility->screen_y[y0 + (dy < high ? dy : 0)];
+            packet->valid[lane] = dx < wide && dy < high ? -1 : 0;
+            lanes->x[lane] = x;
+            lanes->y[lane] = y;
+            lanes->tolerance[lane] = triangle_setup_tolerance(x, y);
+            lanes->column[lane] = visibility->origin_x + x0 + dx;
+            lanes->row[lane] = visibility->origin_y + y0 + dy;
+            lanes->depth[lane] = INFINITY;
+        }
+}
+
+/* Casts the packet against one scene. */
+static void cast_packet(struct packet *packet, const struct traced_scene *scene) {
+    struct RTCRayHit16 *rays = &packet->rays;
+    packet->scene = scene;
+    rtcInitIntersectContext(&packet->context);
+    packet->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    const bool is_perspective = packet->visibility->frame.is_perspective;
+    float *x = is_perspective ? rays->ray.dir_x : rays->ray.org_x,
+          *y = is_perspective ? rays->ray.dir_y : rays->ray.org_y;
+    const float scale = is_perspective ? 1 : scene->scale;
+    for (unsigned lane = 0; lane < PACKET_LANES; lane++) {
+        x[lane] = (float)packet->lanes.x[lane] * scale;
+        y[lane] = (float)packet->lanes.y[lane] * scale;
+        rays->ray.tfar[lane] = INFINITY;
+        rays->hit.geomID[lane] = rays->hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect16(packet->valid, scene->scene, &packet->context, rays);
+}
+
+/* Casts the rays of one tile against the first `scene_count` scenes. */
 static void cast_tile(struct visibility *visibility, int scene_count, uint32_t x0, uint32_t y0,
                       uint32_t wide, uint32_t high) {
     const uint32_t region_width = visibility->bins.grid.region_width;
-    struct packet packet;
-    struct RTCRayHit16 rays;
-    int valid[16] __attribute__((aligned(64)));
-    packet.visibility = visibility;
+    struct packet *packet = visibility->packet;
     visibility->rays += wide * high;
-    const bool is_perspective = visibility->frame.is_perspective;
-    for (unsigned lane = 0; lane < 16; lane++) {
-        const unsigned dx = lane % TILE_SAMPLES, dy = lane / TILE_SAMPLES;
-        valid[lane] = dx < wide && dy < high ? -1 : 0;
-        const float x = visibility->screen_x[x0 + (dx < wide ? dx : 0)],
-                    y = visibility->screen_y[y0 + (dy < high ? dy : 0)];
-        packet.x[lane] = x;
-        packet.y[lane] = y;
-        packet.depth[lane] = INFINITY;
-        packet.triangle[lane] = 0;
-        rays.ray.org_z[lane] = 0;
-        rays.ray.dir_x[lane] = is_perspective ? x : 0;
-        rays.ray.dir_y[lane] = is_perspective ? y : 0;
-        rays.ray.dir_z[lane] = 1;
-        rays.ray.tnear[lane] = 0;
-        rays.ray.time[lane] = 0;
-        rays.ray.mask[lane] = UINT32_MAX;
-        rays.ray.id[lane] = lane;
-        rays.ray.flags[lane] = 0;
-    }
-    for (int i = 0; i < scene_count; i++) {
-        packet.scene = &visibility->scenes[i];
-        if (!packet.scene->scene)
-            continue;
-        rtcInitIntersectContext(&packet.context);
-        packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        for (unsigned lane = 0; lane < 16; lane++) {
-            rays.ray.org_x[lane] = is_perspective ? 0 : packet.x[lane] * packet.scene->scale;
-            rays.ray.org_y[lane] = is_perspective ? 0 : packet.y[lane] * packet.scene->scale;
-            rays.ray.tfar[lane] = INFINITY;
-            rays.hit.geomID[lane] = rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-        }
-        rtcIntersect16(valid, packet.scene->scene, &packet.context, &rays);
-    }
+    aim_packet(packet, x0, y0, wide, high);
+    for (int i = 0; i < scene_count; i++)
+        if (visibility->scenes[i].scene)
+            cast_packet(packet, &visibility->scenes[i]);
     for (unsigned dy = 0; dy < high; dy++)
         for (unsigned dx = 0; dx < wide; dx++) {
             const unsigned lane = dy * TILE_SAMPLES + dx;
-            if (packet.depth[lane] == INFINITY)
+            if (packet->lanes.depth[lane] == INFINITY)
                 continue;
             const uint32_t sample = (y0 + dy) * region_width + x0 + dx;
-            visibility->depth[sample] = packet.depth[lane];
-            visibility->triangle[sample] = packet.triangle[lane];
+            visibility->depth[sample] = packet->lanes.depth[lane];
+            visibility->triangle[sample] = packet->lanes.triangle[lane];
         }
 }
 
@@ -389,8 +447,8 @@ static void cast_region(struct visibility *visibility, uint32_t region) {
     const struct region_bins *bins = &visibility->bins;
     const struct region_grid *grid = &bins->grid;
     const struct region_bin *rare = visibility->rare_bins.bins[region];
-    uint32_t origin_x, origin_y;
-    region_grid_origin(grid, region, &origin_x, &origin_y);
+    region_grid_origin(grid, region, &visibility->origin_x, &visibility->origin_y);
+    const uint32_t origin_x = visibility->origin_x, origin_y = visibility->origin_y;
     const uint32_t wide = grid->samples_wide - origin_x < grid->region_width
                               ? grid->samples_wide - origin_x
                               : grid->region_width,
@@ -415,26 +473,6 @@ static void cast_region(struct visibility *visibility, uint32_t region) {
         }
 }
 
-/* Barycentric coordinates of `count` consecutive covered samples of one triangle in one row. */
-static void interpolate_weights(const struct visibility *visibility, uint32_t triangle,
-                                uint32_t column, uint32_t row, uint32_t first, uint32_t count) {
-    const struct triangle_setup *setup = &visibility->setups[triangle];
-    const float *restrict x = visibility->screen_x + column;
-    const double y = visibility->screen_y[row];
-    float *restrict b0 = visibility->barycentric[0] + first;
-    float *restrict b1 = visibility->barycentric[1] + first;
-    float *restrict b2 = visibility->barycentric[2] + first;
-    const double(*w)[3] = setup->weight;
-    const double c0 = w[0][1] * y + w[0][2], c1 = w[1][1] * y + w[1][2], c2 = w[2][1] * y + w[2][2];
-    for (uint32_t k = 0; k < count; k++) {
-        const double w0 = w[0][0] * x[k] + c0, w1 = w[1][0] * x[k] + c1, w2 = w[2][0] * x[k] + c2;
-        const double scale = 1 / (w0 + w1 + w2);
-        b0[k] = (float)(w0 * scale);
-        b1[k] = (float)(w1 * scale);
-        b2[k] = (float)(w2 * scale);
-    }
-}
-
 /* Parameters of `count` covered samples from `first` on that see one triangle, into the planes. */
 static void interpolate_material(const struct visibility *visibility, uint32_t triangle,
                                  struct region_draft *draft, uint32_t first, uint32_t count) {
@@ -445,19 +483,16 @@ static void interpolate_material(const struct visibility *visibility, uint32_t t
     const float *m0 = chunk->material + (size_t)corner[0] * slots;
     const float *m1 = chunk->material + (size_t)corner[1] * slots;
     const float *m2 = chunk->material + (size_t)corner[2] * slots;
-    const float *restrict b0 = visibility->barycentric[0] + first;
-    const float *restrict b1 = visibility->barycentric[1] + first;
-    const float *restrict b2 = visibility->barycentric[2] + first;
     for (uint32_t p = 0; p < draft->head.slots; p++) {
         float *restrict out = draft->slots + (size_t)p * draft->head.sample_count + first;
         if (p >= slots) {
             memset(out, 0, count * sizeof *out);
             continue;
         }
-        const float a = m0[p], b = m1[p], c = m2[p];
-        for (uint32_t k = 0; k < count; k++)
-            out[k] = b0[k] * a + b1[k] * b + b2[k] * c;
-        slot_format_round(chunk->formats[p], out, count);
+        visibility->kernels->interpolate((const float *const *)visibility->barycentric,
+                                         (const float[3]){m0[p], m1[p], m2[p]}, count, out);
+        if (chunk->formats[p].rounding != SLOT_FLOAT)
+            slot_format_round(chunk->formats[p], out, count);
     }
     for (uint32_t k = 0; k < count; k++) {
         draft->primitive[first + k] = visibility->primitives[triangle];
@@ -501,19 +536,20 @@ static struct region_head measure_region(const struct visibility *visibility, ui
     return head;
 }
 
-struct message *visibility_render(struct visibility *visibility, uint32_t frame, uint32_t region,
-                                  struct node_address node) {
+struct region_draft visibility_render(struct visibility *visibility, uint32_t region,
+                                      uint32_t node) {
     const uint32_t width = visibility->bins.grid.region_width;
     visibility->nan_depths = visibility->rays = 0;
     cast_region(visibility, region);
     find_spans(visibility);
     struct region_draft draft = region_draft_create(measure_region(visibility, region));
-    draft.work[0] = (struct region_work){node.index, visibility->bins.bins[region]->triangles};
+    draft.work[0] = (struct region_work){node, visibility->bins.bins[region]->triangles};
     uint32_t at = 0, run = 0;
     for (uint32_t i = 0; i < visibility->span_count; i++) {
         const struct span s = visibility->spans[i];
-        interpolate_weights(visibility, s.triangle, s.sample % width, s.sample / width, at,
-                            s.count);
+        visibility->kernels->weigh(
+            &visibility->setups[s.triangle], visibility->screen_x + s.sample % width,
+            visibility->screen_y[s.sample / width], s.count, visibility->barycentric);
         interpolate_material(visibility, s.triangle, &draft, at, s.count);
         memcpy(draft.depth + at, visibility->depth + s.sample, s.count * sizeof(float));
         if (run && draft.runs[run - 1].first + draft.runs[run - 1].count == s.sample)
@@ -522,5 +558,5 @@ struct message *visibility_render(struct visibility *visibility, uint32_t frame,
             draft.runs[run++] = (struct region_run){s.sample, s.count};
         at += s.count;
     }
-    return region_seal(&draft, frame, region, node_address_pack(node));
+    return draft;
 }

@@ -2,6 +2,7 @@
 #ifndef VISIBILITY_H
 #define VISIBILITY_H
 
+#include "netsim/region.h"
 #include "nodes/protocol.h"
 #include "nodes/region_bins.h"
 
@@ -27,9 +28,9 @@ void visibility_destroy(struct visibility *visibility);
 const struct region_bins *visibility_bins(const struct visibility *visibility);
 
 /* Renders a region that has a bin: casts a ray through each sample of the marked tiles and returns
- * a sealed REGION message with depth, primitive, shader ID and the material parameters interpolated
- * there; raster work is entered for `node`. */
-struct message *visibility_render(struct visibility *visibility, uint32_t frame, uint32_t region,
-                                  struct node_address node);
+ * depth, primitive, shader ID and the material parameters interpolated there, not sealed; raster
+ * work is entered for rendering node `node`. The caller seals the draft or releases its message. */
+struct region_draft visibility_render(struct visibility *visibility, uint32_t region,
+                                      uint32_t node);
 
 #endif

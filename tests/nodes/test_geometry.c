@@ -171,7 +171,8 @@ static void every_sample_inside_a_triangle_lies_in_a_marked_tile(void **state) {
         if (!triangle_setup_make(v, v + 3, v + 6, frame.is_perspective, &setup))
             continue;
         region_bins_init(&bins, &grid, true);
-        region_bins_add(&bins, &frame, &(struct binned_triangle){{v, v + 3, v + 6}, &setup, 5, 9});
+        const struct sample_box box = region_bins_add(
+            &bins, &frame, &(struct binned_triangle){{v, v + 3, v + 6}, &setup, 5, 9});
         for (uint32_t y = 0; y < frame.height; y++)
             for (uint32_t x = 0; x < frame.width; x++) {
                 long double depth, w[3];
@@ -185,6 +186,7 @@ static void every_sample_inside_a_triangle_lies_in_a_marked_tile(void **state) {
                 assert_true(region_bin_has_tile(&bins, bins.bins[k],
                                                 x % grid.region_width / TILE_SAMPLES,
                                                 y % grid.region_height / TILE_SAMPLES));
+                assert_true(x >= box.x0 && x <= box.x1 && y >= box.y0 && y <= box.y1);
                 inside++;
             }
         region_bins_finish(&bins);
@@ -217,8 +219,8 @@ static uint32_t covered_samples(const struct frame_payload *frame,
         struct region_view view;
         if (!visibility_bins(visibility)->bins[k])
             continue;
-        struct message *message =
-            visibility_render(visibility, 0, k, (struct node_address){NODE_RENDERING, 0});
+        struct region_draft draft = visibility_render(visibility, k, 0);
+        struct message *message = region_seal(&draft, 0, k, 0);
         assert_true(region_open(message->bytes, message->length,
                                 grid.region_width * grid.region_height, &view, NULL));
         covered += view.head.sample_count;
