@@ -3,7 +3,11 @@
 
 #include <string.h>
 
-enum { REGION_WORK_MAX = 65536, REGION_SLOTS_MAX = 16384 };
+enum {
+    REGION_WORK_MAX = 65536,
+    REGION_SLOTS_MAX = 16384,
+    REGION_WORK_ROOM = 64, /* entries that a message may grow by */
+};
 
 static size_t shader_plane_bytes(uint32_t sample_count) {
     return ((size_t)sample_count * 2 + 3) / 4 * 4;
@@ -22,13 +26,13 @@ bool region_open(const uint8_t *message_bytes, size_t length, uint32_t region_sa
         head->work_count > REGION_WORK_MAX || head->slots > REGION_SLOTS_MAX ||
         head->longest_map < head->slots)
         return status_fail(status, STATUS_INVALID, "damaged region message: impossible counts");
-    view->work = wire_get_array(&reader, head->work_count, sizeof *view->work);
     view->runs = wire_get_array(&reader, head->run_count, sizeof *view->runs);
     view->depth = wire_get_array(&reader, head->sample_count, sizeof *view->depth);
     view->primitive = wire_get_array(&reader, head->sample_count, sizeof *view->primitive);
     view->shader = wire_get(&reader, shader_plane_bytes(head->sample_count));
     view->slots =
         wire_get_array(&reader, (uint64_t)head->slots * head->sample_count, sizeof(float));
+    view->work = wire_get_array(&reader, head->work_count, sizeof *view->work);
     if (!wire_reader_done(&reader, "region", status))
         return false;
     uint64_t next = 0, total = 0;
@@ -55,12 +59,12 @@ struct region_draft region_draft_create(struct region_head head) {
     size_t bytes = WIRE_HEADER_BYTES + sizeof head + head.work_count * sizeof(struct region_work) +
                    head.run_count * sizeof(struct region_run) + samples * 8 +
                    shader_plane_bytes(head.sample_count) + (size_t)head.slots * samples * 4;
-    struct region_draft draft = {.message = message_create(bytes), .head = head};
+    struct region_draft draft = {
+        .message = message_create_with_room(bytes, REGION_WORK_ROOM * sizeof(struct region_work)),
+        .head = head};
     uint8_t *at = draft.message->bytes + WIRE_HEADER_BYTES;
     memcpy(at, &head, sizeof head);
     at += sizeof head;
-    draft.work = (struct region_work *)at;
-    at += head.work_count * sizeof(struct region_work);
     draft.runs = (struct region_run *)at;
     at += head.run_count * sizeof(struct region_run);
     draft.depth = (float *)at;
@@ -72,6 +76,8 @@ struct region_draft region_draft_create(struct region_head head) {
         draft.shader[samples] = 0;
     at += shader_plane_bytes(head.sample_count);
     draft.slots = (float *)at;
+    at += (size_t)head.slots * samples * sizeof *draft.slots;
+    draft.work = (struct region_work *)at;
     return draft;
 }
 

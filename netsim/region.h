@@ -10,8 +10,9 @@
  * one plane per quantity with an entry for each covered sample (structure of arrays), so that
  * composition is a streaming select and an empty region is a header.
  *
- * Payload: struct region_head, raster work entries, runs, then the planes depth (float), primitive
- * (uint32), shader (uint16, padded to 4 bytes), and `slots` planes of parameters (float). */
+ * Payload: struct region_head, runs, then the planes depth (float), primitive (uint32), shader
+ * (uint16, padded to 4 bytes), and `slots` planes of parameters (float); last, where they can grow,
+ * the raster work entries. */
 
 struct region_run {
     uint32_t first, count; /* sample index = row * region width + column */
@@ -84,5 +85,13 @@ struct message *region_extract(const struct region_view *view, uint32_t first, u
  * is the longer one. Order of the arguments does not matter, and composition is associative. */
 struct message *region_compose(const struct region_view *a, const struct region_view *b,
                                uint32_t frame, uint32_t region, uint32_t sender);
+
+/* The same, to the byte, by changing `message`, of which `view` is a look: only samples of `other`
+ * that are nearer are written. False, and nothing is changed, when the message covers less than
+ * `other` does, has fewer slots, no room for the work entries, or another holder. The view ends
+ * with the call. */
+bool region_compose_in_place(struct message *message, const struct region_view *view,
+                             const struct region_view *other, uint32_t frame, uint32_t region,
+                             uint32_t sender);
 
 #endif

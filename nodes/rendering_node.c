@@ -249,13 +249,19 @@ static bool compose_region(struct rendering_node *self, const struct pending *pe
         visibility_render(self->visibility, pending->region, self->node.address.index);
     const struct region_view own = region_draft_view(&mine);
     const uint32_t count = own.head.sample_count + upstream.head.sample_count;
-    struct message *out;
-    if (pending->message) {
-        out = region_compose(&upstream, &own, pending->frame, pending->region, sender);
-        message_release(mine.message);
-    } else {
+    struct message *drawn = mine.message, *out;
+    if (!pending->message)
         out = region_seal(&mine, pending->frame, pending->region, sender);
-    }
+    else if (region_compose_in_place(pending->message, &upstream, &own, pending->frame,
+                                     pending->region, sender))
+        out = message_hold(pending->message);
+    else if (region_compose_in_place(drawn, &own, &upstream, pending->frame, pending->region,
+                                     sender))
+        out = drawn;
+    else
+        out = region_compose(&upstream, &own, pending->frame, pending->region, sender);
+    if (out != drawn)
+        message_release(drawn);
     send_region(self, slot, pending->region, out, count, outputs);
     return true;
 }

@@ -12,7 +12,7 @@
 
 enum {
     SHELF_BYTES =
-        8 << 20, /* some sixteen regions: what is under way, and no more than caches like */
+        24 << 20, /* some fifty regions: all that is under way; pages are taken as they are used */
     SHARE_BYTES_MIN = 4096, /* smaller messages are cheaper copied */
     BLOCK_ALIGNMENT = 64,
     BLOCKS_MAX = SHELF_BYTES / SHARE_BYTES_MIN,
@@ -21,7 +21,8 @@ enum {
 /* In front of each message in the pool. */
 struct shared_block {
     _Alignas(BLOCK_ALIGNMENT) _Atomic uint32_t
-        holders; /* messages in any process, and references under way */
+        holders;       /* messages in any process, and references under way */
+    uint32_t capacity; /* bytes of the message that there is room for */
 };
 
 /* A block that this node has filled. */
@@ -110,21 +111,27 @@ static void dispose_shared(struct message *message) {
     free(shared);
 }
 
+static bool is_lent(const struct message *message) {
+    const struct shared_block *block = ((const struct shared_message *)message)->block;
+    return atomic_load_explicit(&block->holders, memory_order_acquire) != 1;
+}
+
 bool shared_pool_put(struct shared_pool *pool, struct message *message,
                      struct shared_reference *reference) {
-    if (!pool || message->length < SHARE_BYTES_MIN || message->length > SHELF_BYTES / 2)
+    if (!pool || message->length < SHARE_BYTES_MIN || message->capacity > SHELF_BYTES / 2)
         return false;
     struct shared_block *block;
     if (message->dispose == dispose_shared) { /* passed on as it is */
         block = ((struct shared_message *)message)->block;
         atomic_fetch_add_explicit(&block->holders, 1, memory_order_relaxed);
     } else {
-        const size_t size = (sizeof *block + message->length + BLOCK_ALIGNMENT - 1) /
+        const size_t size = (sizeof *block + message->capacity + BLOCK_ALIGNMENT - 1) /
                             BLOCK_ALIGNMENT * BLOCK_ALIGNMENT;
         block = allocate(pool, (uint32_t)size);
         if (!block)
             return false;
         memcpy(block + 1, message->bytes, message->length);
+        block->capacity = (uint32_t)message->capacity;
         atomic_store_explicit(&block->holders, 1, memory_order_release);
     }
     *reference = (struct shared_reference){(uint64_t)((const uint8_t *)block - pool->memory),
@@ -153,17 +160,28 @@ bool shared_references_decode(const struct message *message, struct shared_refer
     return wire_reader_done(&reader, "shared", status);
 }
 
+/* Whether the block is as large as the reference and its own capacity say. */
+static bool has_room(const struct shared_pool *pool, struct shared_reference reference) {
+    const struct shared_block *block =
+        (const struct shared_block *)(pool->memory + reference.offset);
+    return block->capacity >= reference.length &&
+           block->capacity <= pool->size - reference.offset - sizeof *block;
+}
+
 bool shared_pool_get(struct shared_pool *pool, struct shared_reference reference,
                      struct message **message, struct status *status) {
     if (!pool || reference.offset % BLOCK_ALIGNMENT || reference.offset >= pool->size ||
         pool->size - reference.offset < sizeof(struct shared_block) ||
-        reference.length > pool->size - reference.offset - sizeof(struct shared_block))
+        reference.length > pool->size - reference.offset - sizeof(struct shared_block) ||
+        !has_room(pool, reference))
         return status_fail(status, STATUS_INVALID,
                            "a message is said to lie in shared memory that is not there");
     struct shared_message *shared = memory_get(1, sizeof *shared);
     shared->block = (struct shared_block *)(pool->memory + reference.offset);
     atomic_init(&shared->message.holders, 1);
     shared->message.length = reference.length;
+    shared->message.capacity = shared->block->capacity;
+    shared->message.is_lent = is_lent;
     shared->message.bytes = (uint8_t *)(shared->block + 1);
     shared->message.dispose = dispose_shared;
     *message = &shared->message;

@@ -61,7 +61,7 @@ static struct message *wrap(zmq_msg_t *content) {
     zmq_msg_init(&received->content);
     zmq_msg_move(&received->content, content);
     atomic_init(&received->message.holders, 1);
-    received->message.length = length;
+    received->message.length = received->message.capacity = length;
     received->message.bytes = zmq_msg_data(&received->content);
     received->message.dispose = dispose_received;
     return &received->message;

@@ -110,6 +110,75 @@ static struct message *compose(const struct message *a, const struct message *b)
     return region_compose(&va, &vb, 1, 2, 3);
 }
 
+/* Where it can be done, the message itself becomes what composition would have made. */
+static void composition_in_place_makes_the_same_bytes(void **state) {
+    (void)state;
+    struct rng rng = {8};
+    int done = 0, with_fewer_slots = 0, refused = 0;
+    for (int round = 0; round < 6000; round++) {
+        struct dense *a = random_dense(&rng, 0), *b = random_dense(&rng, 1);
+        for (int i = 0; round % 3 && i < SAMPLES; i++) /* else it is hardly ever inside */
+            b->covered[i] &= a->covered[i];
+        struct message *into = encode(a, round % 2 ? 1 : 0), *other = encode(b, round % 2 ? 0 : 1),
+                       *both = compose(into, other);
+        const bool is_held = round % 7 == 0;
+        struct message *before = message_create(into->length);
+        memcpy(before->bytes, into->bytes, into->length);
+        if (is_held)
+            message_hold(into);
+        struct region_view va, vb;
+        bool is_inside = true;
+        for (int i = 0; i < SAMPLES; i++)
+            is_inside &= a->covered[i] || !b->covered[i];
+        assert_true(region_open(into->bytes, into->length, SAMPLES, &va, NULL));
+        assert_true(region_open(other->bytes, other->length, SAMPLES, &vb, NULL));
+        const bool can = is_inside && vb.head.slots <= va.head.slots && !is_held;
+        const bool fewer_slots = vb.head.slots < va.head.slots && vb.head.sample_count;
+        assert_int_equal(region_compose_in_place(into, &va, &vb, 1, 2, 3), can);
+        const struct message *expected = can ? both : before;
+        assert_int_equal(into->length, expected->length);
+        assert_memory_equal(into->bytes, expected->bytes, into->length);
+        done += can;
+        refused += !can;
+        with_fewer_slots += can && fewer_slots;
+        if (is_held)
+            message_release(into);
+        struct message *all[] = {into, other, both, before};
+        for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+            message_release(all[i]);
+        free(a);
+        free(b);
+    }
+    assert_true(done > 1000 && refused > 1000 && with_fewer_slots > 300);
+}
+
+/* A message grows until its room for work entries is used up. */
+static void there_is_room_for_many_nodes_and_then_none(void **state) {
+    (void)state;
+    struct dense *d = calloc(1, sizeof *d);
+    for (int i = 0; i < SAMPLES; i++)
+        d->covered[i] = true;
+    struct message *into = encode(d, 0);
+    uint32_t node = 1;
+    for (;; node++) {
+        struct message *other = encode(d, node), *copy = NULL;
+        struct region_view va, vb;
+        assert_true(region_open(into->bytes, into->length, SAMPLES, &va, NULL));
+        assert_true(region_open(other->bytes, other->length, SAMPLES, &vb, NULL));
+        copy = region_compose(&va, &vb, 1, 2, 3);
+        const bool fits = region_compose_in_place(into, &va, &vb, 1, 2, 3);
+        if (fits)
+            assert_memory_equal(into->bytes, copy->bytes, copy->length);
+        message_release(other);
+        message_release(copy);
+        if (!fits)
+            break;
+    }
+    assert_in_range(node, 16, 1000);
+    message_release(into);
+    free(d);
+}
+
 static void composition_equals_the_plain_way_in_any_order(void **state) {
     (void)state;
     struct rng rng = {5};
@@ -195,6 +264,8 @@ static void runs_are_merged_where_regions_touch(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(composition_equals_the_plain_way_in_any_order),
+        cmocka_unit_test(composition_in_place_makes_the_same_bytes),
+        cmocka_unit_test(there_is_room_for_many_nodes_and_then_none),
         cmocka_unit_test(parts_of_a_region_compose_to_the_region),
         cmocka_unit_test(runs_are_merged_where_regions_touch),
     };

@@ -3,6 +3,7 @@
  * good header, so that the decoders themselves are reached. Nothing may crash, and what a decoder
  * accepts must be safe to use. */
 #include "nodes/protocol.h"
+#include "nodes/slot_formats.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,6 +32,14 @@ static void use_region(const struct message *message) {
         composed.head.sample_count != view.head.sample_count)
         abort(); /* a region composed with itself covers the same samples */
     message_release(both);
+    struct message *same = message_create_with_room(message->length, message->length);
+    memcpy(same->bytes, message->bytes, message->length);
+    if (!region_open(same->bytes, same->length, REGION_SAMPLES, &composed, NULL) ||
+        !region_compose_in_place(same, &composed, &view, 0, 0, 0) ||
+        !region_open(same->bytes, same->length, REGION_SAMPLES, &composed, NULL) ||
+        composed.head.sample_count != view.head.sample_count)
+        abort(); /* there is room, and nobody else holds it */
+    message_release(same);
 }
 
 static void use_colour(const struct message *message) {
@@ -91,7 +100,15 @@ static void use(enum wire_kind kind, const struct message *message) {
         use_instance(message);
         break;
     case WIRE_CHUNK:
-        if (chunk_payload_decode(message, &chunk, NULL) && chunk.triangle_count)
+        if (!chunk_payload_decode(message, &chunk, NULL))
+            break;
+        for (uint32_t i = 0; i < chunk.material_count; i++) {
+            float value = 1e9f;
+            slot_format_round(chunk.formats[i], &value, 1);
+            if (chunk.formats[i].rounding == SLOT_FIXED && value != value)
+                abort();
+        }
+        if (chunk.triangle_count)
             touch(chunk.positions + 3 * (size_t)chunk.triangles[0], 3 * sizeof(float));
         break;
     case WIRE_FRAME_END:
