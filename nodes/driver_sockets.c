@@ -18,6 +18,7 @@ enum {
     POLL_MS = 100,
     START_DEADLINE_S = 20, /* for the other nodes to say hello */
     WORDS_PATIENCE_NS = 400000000,
+    UNTOLD_MAX = 2 * SHARED_REFERENCES_MAX, /* regions that wait for others to be told with */
 };
 
 #define LAST_WORDS_S 0.3
@@ -127,8 +128,15 @@ static bool send_references(struct socket_driver *driver, struct peer *peer,
            send_or_queue(driver, peer, shared_references_encode(peer->shared, count), status);
 }
 
-/* Takes over the hold. What goes through shared memory is told when several have come together, or
- * when there is nothing else to do. */
+static bool send_all_references(struct socket_driver *driver, struct status *status) {
+    for (size_t i = 0; driver->untold && i < driver->peer_count; i++)
+        if (!send_references(driver, &driver->peers[i], status))
+            return false;
+    return true;
+}
+
+/* Takes over the hold. What goes through shared memory is told when several have come together, for
+ * one node or for all, or when there is nothing else to do. */
 static bool send_to(struct socket_driver *driver, struct peer *peer, struct message *message,
                     struct status *status) {
     const bool may_share = !socket_is_host(driver) && peer->address.role != NODE_HOST;
@@ -136,6 +144,8 @@ static bool send_to(struct socket_driver *driver, struct peer *peer, struct mess
         shared_pool_put(driver->options->pool, message, &peer->shared[peer->shared_count])) {
         peer->shared_count++;
         driver->untold++;
+        if (driver->untold == UNTOLD_MAX)
+            return send_all_references(driver, status);
         return (peer->shared_count < SHARED_REFERENCES_MAX && !driver->pacer) ||
                send_references(driver, peer, status);
     }
@@ -144,13 +154,6 @@ static bool send_to(struct socket_driver *driver, struct peer *peer, struct mess
         return false;
     }
     return send_or_queue(driver, peer, message, status);
-}
-
-static bool send_all_references(struct socket_driver *driver, struct status *status) {
-    for (size_t i = 0; driver->untold && i < driver->peer_count; i++)
-        if (!send_references(driver, &driver->peers[i], status))
-            return false;
-    return true;
 }
 
 static bool flush_queues(struct socket_driver *driver, struct status *status) {
