@@ -75,10 +75,10 @@ static FILE *open_named(const struct shader_library *library, const char *name,
     return NULL;
 }
 
-/* The file that the user names for this shader; NULL: none. */
+/* The file that the user names for this shader, the last when there are several; NULL: none. */
 static const char *file_of(const struct shader_library *library, const char *name) {
     const size_t length = strlen(name);
-    for (int i = 0; i < library->precision.file_count; i++) {
+    for (int i = library->precision.file_count - 1; i >= 0; i--) {
         const char *item = library->precision.files[i];
         if (!strncmp(item, name, length) && item[length] == '=')
             return item + length + 1;

@@ -114,10 +114,11 @@ static int check(const char *path) {
 
 int machine_main(int argc, char **argv) {
     const char *what = argc > 1 ? argv[1] : "";
-    if (!strcmp(what, "--help") || !strcmp(what, "-h")) {
-        print_help();
-        return 0;
-    }
+    for (int i = 1; i < argc && i <= 2; i++) /* of the verb, or of what it does */
+        if (!strcmp(argv[i], "--help") || !strcmp(argv[i], "-h")) {
+            print_help();
+            return 0;
+        }
     if (!strcmp(what, "show") && argc <= 3)
         return show(argc == 3 ? argv[2] : "pixelflow");
     if (!strcmp(what, "list") && argc == 2)

@@ -13,6 +13,9 @@ MACHINES = sorted(glob.glob(os.path.join(SOURCE, "machines", "*.json")))
 def test_every_description_is_good_and_says_where_each_number_comes_from():
     assert len(MACHINES) >= 3
     with Folder() as folder:
+        for words in (["--help"], ["calibrate", "--help"], ["show", "-h"]):
+            code, out, err = folder.run("machine", *words)
+            assert code == 0 and out.startswith("usage: sortlast machine") and not err, (words, code, out, err)
         code, out, err = folder.run("machine", "list")
         for path in MACHINES:
             name = os.path.basename(path)[:-5]

@@ -205,6 +205,8 @@ def test_shaders_made_fixed_point_are_knobs():
         fixed = folder.file("study/fixed-4_255/waves.sl")
         summary = folder.render(scene, "--driver", "in-process", "--samples", "16", "--use", "waves=" + fixed)
         assert summary["frames"][0]["time_ps"] == only[0]["time_ps"]
+        twice = folder.render(scene, "--driver", "in-process", "--samples", "16", "--use", "waves=none.sl", "--use", "waves=" + fixed)
+        assert twice["frames"][0]["time_ps"] == only[0]["time_ps"]  # the last counts
         code, out, err = folder.run("render", scene, "--use", "waves=" + folder.file("none.sl"))
         assert code == 1 and "scene.rib:5:1: error: cannot open" in err and "none.sl" in err, err
         code, out, err = folder.run("render", scene, "--use", "waves")
