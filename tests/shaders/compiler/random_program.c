@@ -460,7 +460,7 @@ static void read_fixed(generator *g, const char *name, struct fixed_format f) {
     const int bits = f.size < 12 ? f.size : 12,
               exponent = random_once_in(g, 2) ? f.exponent : f.exponent - f.size + bits;
     random_put(g, "color (unsigned fixed<%d,%d> %s * %.9g);\n", bits, exponent, name,
-               ldexp(1, exponent - bits));
+               fmin(ldexp(1, exponent - bits), 0x1p127)); /* the largest that a float can be */
 }
 
 /* Calls some of the functions of the file, whether or not there was room for it before. */
