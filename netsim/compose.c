@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "netsim/region.h"
+#include "netsim/region_select.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -78,19 +79,10 @@ static struct plan plan_runs(const struct region_view *a, const struct region_vi
     return plan;
 }
 
-/* mask[k] = all ones where b's sample is in front of a's. Depths are never NaN here (nodes refuse
- * them). */
-static void select_nearer(const struct region_view *a, const struct region_view *b,
-                          const struct segment *segment, uint32_t *restrict mask) {
-    const float *depth_a = a->depth + segment->a, *depth_b = b->depth + segment->b;
-    const uint32_t *primitive_a = a->primitive + segment->a,
-                   *primitive_b = b->primitive + segment->b;
-    for (uint32_t k = 0; k < segment->count; k++) {
-        uint32_t nearer = -(uint32_t)(depth_b[k] < depth_a[k]);
-        uint32_t equal = -(uint32_t)(depth_b[k] == depth_a[k]);
-        uint32_t lower = -(uint32_t)(primitive_b[k] < primitive_a[k]);
-        mask[k] = nearer | (equal & lower);
-    }
+static void select_segment(const struct region_view *a, const struct region_view *b,
+                           const struct segment *s, uint32_t *mask) {
+    region_select_nearer(a->depth + s->a, a->primitive + s->a, b->depth + s->b, b->primitive + s->b,
+                         s->count, mask + s->out);
 }
 
 static void blend_words(uint32_t *restrict out, const uint32_t *restrict a,
@@ -168,7 +160,7 @@ struct message *region_compose(const struct region_view *a, const struct region_
         abort();
     for (uint32_t i = 0; i < plan.segment_count; i++)
         if (plan.segments[i].from == BOTH)
-            select_nearer(a, b, &plan.segments[i], mask + plan.segments[i].out);
+            select_segment(a, b, &plan.segments[i], mask);
     compose_plane(&plan, mask, draft.depth, a->depth, b->depth, zeros);
     compose_plane(&plan, mask, draft.primitive, a->primitive, b->primitive, zeros);
     compose_shader_plane(&plan, mask, draft.shader, a->shader, b->shader);

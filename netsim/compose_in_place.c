@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "netsim/region.h"
+#include "netsim/region_select.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -31,22 +32,11 @@ static bool find_visits(const struct region_view *view, const struct region_view
     return true;
 }
 
-/* mask[k] = all ones where the other side's sample is in front; whether any is. Depths are never
- * NaN here (nodes refuse them). */
-static bool select_nearer(const struct region_view *view, const struct region_view *other,
-                          struct visit visit, uint32_t *restrict mask) {
-    const float *depth = view->depth + visit.first, *depth_other = other->depth + visit.other;
-    const uint32_t *primitive = view->primitive + visit.first,
-                   *primitive_other = other->primitive + visit.other;
-    uint32_t any = 0;
-    for (uint32_t k = 0; k < visit.count; k++) {
-        const uint32_t nearer = -(uint32_t)(depth_other[k] < depth[k]);
-        const uint32_t equal = -(uint32_t)(depth_other[k] == depth[k]);
-        const uint32_t lower = -(uint32_t)(primitive_other[k] < primitive[k]);
-        mask[k] = nearer | (equal & lower);
-        any |= mask[k];
-    }
-    return any;
+/* Whether any sample of the other side is in front there; `mask` says which. */
+static bool select_visit(const struct region_view *view, const struct region_view *other,
+                         struct visit v, uint32_t *mask) {
+    return region_select_nearer(view->depth + v.first, view->primitive + v.first,
+                                other->depth + v.other, other->primitive + v.other, v.count, mask);
 }
 
 /* One 4-byte plane; `from` NULL counts as zeros. */
@@ -108,7 +98,7 @@ bool region_compose_in_place(struct message *message, const struct region_view *
         abort();
     const bool fits = find_visits(view, other, visits);
     for (uint32_t i = 0; fits && i < other->head.run_count; i++)
-        if (select_nearer(view, other, visits[i], mask))
+        if (select_visit(view, other, visits[i], mask))
             put_samples(view, other, visits[i], mask);
     if (fits) {
         struct region_head head = view->head;

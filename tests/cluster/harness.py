@@ -137,19 +137,10 @@ class Skipped(Exception):
     pass
 
 
-def proves_a_number(function):
-    """A test whose point is a number of the release build. Under sanitizers it is left out: others go the same ways."""
-    function.proves_a_number = True
-    return function
-
-
 def main(names):
     failed = skipped = 0
     for name, function in list(names.items()):
         if not name.startswith("test_"):
-            continue
-        if SANITIZED and getattr(function, "proves_a_number", False):
-            print("left    %s: it proves a number of the release build" % name, flush=True)
             continue
         begin = time.time()
         try:

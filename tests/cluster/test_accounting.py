@@ -3,7 +3,7 @@
 
 import re
 
-from harness import Folder, main, proves_a_number
+from harness import Folder, main
 
 CAMERA = """Format %d %d 1
 Projection "orthographic"
@@ -39,7 +39,6 @@ def check_sums(frame):
         assert sum(sizes.values()) == total, "%s: parts do not add up to %d: %s" % (network, total, sizes)
 
 
-@proves_a_number
 def test_composition_is_busy_for_the_words_of_the_map():
     for floats in (0, 6, 7, 13, 14, 34, 35):
         payload = 2 + 4 * floats
@@ -70,7 +69,6 @@ def test_each_strategy_is_charged_what_it_brings_and_what_it_sends():
             check_sums(frame)
 
 
-@proves_a_number
 def test_a_map_of_five_words_bounds_the_frame_rate_at_30_5():
     """PF section 6.2: at most 142 bytes a pixel at 30 frames/s; in whole words 140, which gives 30.5 frames/s."""
     summary = render_map(34, "-r", 2, "-s", 8, "--frames", 4)
@@ -83,7 +81,6 @@ def test_a_map_of_five_words_bounds_the_frame_rate_at_30_5():
     assert sum(f["time_ps"] for f in frames) == frames[3]["end_ps"]
 
 
-@proves_a_number
 def test_hop_latency_is_paid_once_a_frame_not_once_a_region():
     """docs/timing.md: the last colours of the one frame arrive r + j hops later and s - j more."""
     near = render_map(6, "-r", 1, "-s", 1)["frames"][0]

@@ -8,7 +8,7 @@ import statistics
 import subprocess
 import time
 
-from harness import BUILD, SCENES, SOURCE, Folder, Skipped, main, proves_a_number
+from harness import BUILD, SCENES, SOURCE, Folder, Skipped, main
 
 BOWLING = os.path.join(SCENES, "bowling", "bowling.rib")
 FRAMES = 6           # the first also pays for loading shaders and building trees: it is left out
@@ -76,13 +76,11 @@ def check_paced(folder, *arguments):
     folder.assert_nothing_left()
 
 
-@proves_a_number
 def test_wall_time_times_scale_is_the_solved_time():
     with Folder() as folder:
         check_paced(folder, "-r", 2, "-s", 4)
 
 
-@proves_a_number
 def test_also_where_the_composition_network_is_the_limit():
     with Folder() as folder:
         machine = changed_machine(folder, composition_bytes_per_s=100000000)
@@ -122,7 +120,6 @@ def may_shape():
         return False
 
 
-@proves_a_number
 def test_also_when_the_kernel_shapes_the_traffic():
     if not may_shape():
         raise Skipped("network namespaces with tc tbf are not permitted here")
